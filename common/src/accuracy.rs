@@ -98,7 +98,7 @@ impl Accuracy {
             wear_tolerance: 5e-3,
             warm_up: 1.0,
             tier: Tier::Dynamic,
-            points: 1,
+            ..Self::balanced()
         }
     }
 
@@ -127,15 +127,14 @@ impl Accuracy {
 
     /// The first setting that is not a number in its range, by name; the ranges are those that the knobs of a name can reach.
     pub fn out_of_range(&self) -> Option<&'static str> {
-        let Accuracy { step_tolerance, largest_step, wear_tolerance, warm_up, .. } = *self;
         let checks = [
-            ("step_tolerance", (1e-12..=1e3).contains(&step_tolerance)),
-            ("largest_step", (1e-7..=1.0).contains(&largest_step)),
+            ("step_tolerance", (1e-12..=1e3).contains(&self.step_tolerance)),
+            ("largest_step", (1e-7..=1.0).contains(&self.largest_step)),
             ("steps_bound", (1..=1_000_000_000).contains(&self.steps_bound)),
             ("wear_samples", (20..=100_000).contains(&self.wear_samples)),
             ("cycle_jump", (1..=1_000_000).contains(&self.cycle_jump)),
-            ("wear_tolerance", (1e-9..=1.0).contains(&wear_tolerance)),
-            ("warm_up", (0.0..=10.0).contains(&warm_up)),
+            ("wear_tolerance", (1e-9..=1.0).contains(&self.wear_tolerance)),
+            ("warm_up", (0.0..=10.0).contains(&self.warm_up)),
             ("points", (1..=MOST_POINTS).contains(&self.points)),
         ];
         checks.into_iter().find(|(_, is_right)| !is_right).map(|(setting, _)| setting)
@@ -143,12 +142,8 @@ impl Accuracy {
 
     /// The preset of this name, see [`Accuracy::NAMES`].
     pub fn by_name(name: &str) -> Option<Self> {
-        match name {
-            "draft" => Some(Self::draft()),
-            "balanced" => Some(Self::balanced()),
-            "reference" => Some(Self::reference()),
-            _ => None,
-        }
+        let presets = [Self::draft(), Self::balanced(), Self::reference()];
+        Self::NAMES.iter().zip(presets).find(|(known, _)| **known == name).map(|(_, preset)| preset)
     }
 }
 

@@ -29,18 +29,15 @@ impl EvaluationShape {
     pub fn misfit(&self, evaluation: &Evaluation) -> Option<String> {
         let checkpoints = &self.checkpoints;
         if evaluation.cycles != *checkpoints {
-            let differs =
-                evaluation.cycles.iter().zip(checkpoints).find(|(found, expected)| found != expected);
-            return Some(match differs {
+            let mut pairs = evaluation.cycles.iter().zip(checkpoints);
+            return Some(match pairs.find(|(found, expected)| found != expected) {
                 Some((found, expected)) => format!("a checkpoint at {found} cycles instead of {expected}"),
                 None => format!("{} checkpoints, not {}", evaluation.cycles.len(), checkpoints.len()),
             });
         }
         let values = self.table("", &evaluation.histories, -LARGEST);
-        let errors = || match evaluation.errors.is_empty() {
-            true => None,
-            false => self.table("the stated error of ", &evaluation.errors, 0.0),
-        };
+        let stated = Some(&evaluation.errors).filter(|errors| !errors.is_empty());
+        let errors = || self.table("the stated error of ", stated?, 0.0);
         values.or_else(errors).or_else(|| self.start(&evaluation.start))
     }
 

@@ -22,7 +22,6 @@ pub struct Evaluation {
     /// The settled first cycle of the unworn mechanism, if it was requested.
     pub first_cycle: Option<CycleHistory>,
     /// Bores over life and the last cycle, if the first cycle was requested and a joint wears.
-    #[serde(default)]
     pub worn: Option<WornLife>,
     /// Work counters and repairs of the integration.
     pub diagnostics: Diagnostics,
@@ -214,7 +213,6 @@ pub struct Diagnostics {
     #[serde(default)]
     pub control_points: Vec<PointsError>,
     /// How far the motion is from repeating itself in the first measured cycle, if it has not settled.
-    #[serde(default)]
     pub unsettled: Option<UnsettledMotion>,
     /// True if the wear was computed from quasi-static motion.
     pub quasi_static: bool,
@@ -224,28 +222,16 @@ pub struct Diagnostics {
     pub worn_energy: Option<EnergyBalance>,
 }
 
-/// The work counters of an evaluation: key in files, and name.
-pub const COUNTERS: [(&str, &str); 7] = [
-    ("steps", "time steps"),
-    ("rejected_steps", "rejected time steps"),
-    ("newton_iterations", "Newton iterations"),
-    ("force_evaluations", "force evaluations"),
-    ("simulated_cycles", "cycles simulated"),
-    ("wear_stages", "stages of the wear step"),
-    ("rejected_wear_steps", "rejected wear steps"),
-];
+/// A work counter of an evaluation: its key in files, its name, and its value.
+pub type Counter = (&'static str, &'static str, fn(&Diagnostics) -> u64);
 
-impl Diagnostics {
-    /// The values of [`COUNTERS`].
-    pub fn counts(&self) -> [u64; 7] {
-        [
-            self.steps,
-            self.rejected_steps,
-            self.newton_iterations,
-            self.force_evaluations,
-            self.simulated_cycles,
-            self.wear_stages,
-            self.rejected_wear_steps,
-        ]
-    }
-}
+/// The work counters of an evaluation.
+pub const COUNTERS: [Counter; 7] = [
+    ("steps", "time steps", |work| work.steps),
+    ("rejected_steps", "rejected time steps", |work| work.rejected_steps),
+    ("newton_iterations", "Newton iterations", |work| work.newton_iterations),
+    ("force_evaluations", "force evaluations", |work| work.force_evaluations),
+    ("simulated_cycles", "cycles simulated", |work| work.simulated_cycles),
+    ("wear_stages", "stages of the wear step", |work| work.wear_stages),
+    ("rejected_wear_steps", "rejected wear steps", |work| work.rejected_wear_steps),
+];

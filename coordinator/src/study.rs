@@ -29,7 +29,6 @@ mod classified_population;
 mod correction;
 mod dispatching;
 mod error;
-mod explicit_model;
 mod exploring;
 mod failure_points;
 mod failures;
@@ -37,17 +36,13 @@ mod finer_levels;
 mod from_results;
 mod interim;
 mod learner;
-mod levels;
 mod life_model;
 mod lives;
 mod monte_carlo;
 mod observations;
-mod outcome_check;
 mod outliers;
 mod pairs;
-mod pairs_result;
 mod plan;
-mod prediction_check;
 mod rare;
 mod repetitions;
 mod requests;
@@ -58,7 +53,6 @@ mod samples;
 mod settings;
 mod step;
 mod stopped;
-mod stored_outcome;
 mod surrogate_rows;
 mod surrogates;
 mod untested;
@@ -86,16 +80,15 @@ mod variants_tests;
 pub use campaign::Campaign;
 pub use campaign_result::CampaignResult;
 pub use classified_population::ClassifiedPopulation;
-pub use correction::Correction;
+pub use correction::{Correction, StoredOutcome};
 pub use error::StudyError;
-pub use explicit_model::{ExplicitLimitState, ExplicitModel};
 pub use failures::{Failed, Feasibility};
 pub use finer_levels::FinerLevels;
 pub use from_results::{
-    FurtherLearning, Thresholds, campaign_from_results, complete_outcomes, learn_from_results,
-    learn_with_surrogates, result_of,
+    FurtherLearning, campaign_from_results, complete_outcomes, learn_from_results, learn_with_surrogates,
+    result_of,
 };
-pub use life_model::{LifeModel, LifeResponses};
+pub use life_model::{ExplicitLimitState, ExplicitModel, LifeModel, LifeResponses};
 pub use lives::LEVELS;
 pub use observations::{Observations, Observed, ObservedOutcome, Source};
 pub use outliers::Outlier;
@@ -105,7 +98,6 @@ pub use round::Assessment;
 pub use samples::simulate_samples;
 pub use settings::{LARGEST_POPULATION, Method, SettingError, Settings, StudyAccuracy};
 pub use step::{CampaignError, SampleRequest, Step, StopReason};
-pub use stored_outcome::{SimulatedPoint, StoredOutcome, completed};
 pub use surrogates::Surrogate;
 pub use variants::{FIRST_VARIANT, LearnedVariant, StudyOfVariants};
 
@@ -145,7 +137,7 @@ pub fn run(
             dispatcher.notice(&Progress::Ending);
             let (learned, pairs) = campaign.finish().expect("a campaign that is done has learned something");
             let mut findings = from_learning(scene, settings, &learned);
-            pairs.add_to(&mut findings.summary, scene, settings, &learned);
+            pairs.add_to(&mut findings.summary, scene, settings, learned.assessment.governing);
             findings
         }
         Method::MonteCarlo | Method::LatinHypercube => {

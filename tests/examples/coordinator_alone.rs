@@ -98,7 +98,7 @@ fn messages(workers: usize, together: u32) -> Result<Duration, Box<dyn Error>> {
             let frame = wire::encode(&hand.claim(together))?;
             let handled = Instant::now();
             let claim = wire::decode::<Claim>(&frame)?;
-            let mut actions = scheduler.on_event(begun.elapsed(), Event::Claimed { token, claim });
+            let mut actions = scheduler.on_event(begun.elapsed(), Event::Claimed(token, claim));
             let mut reply = None;
             while !actions.is_empty() {
                 let mut next = vec![];
@@ -107,9 +107,9 @@ fn messages(workers: usize, together: u32) -> Result<Duration, Box<dyn Error>> {
                         Action::Deliver(finished) => {
                             recorded += 1;
                             let task = finished.id;
-                            next.extend(scheduler.on_event(begun.elapsed(), Event::Recorded { task }));
+                            next.extend(scheduler.on_event(begun.elapsed(), Event::Recorded(task)));
                         }
-                        Action::Reply { acknowledged, assignment, .. } => {
+                        Action::Reply(_, acknowledged, assignment) => {
                             reply = Some(encoded(acknowledged, assignment, &order)?);
                         }
                         _ => {}

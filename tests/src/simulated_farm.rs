@@ -217,7 +217,7 @@ impl World {
                 let claim = self.claims.remove(&(k, sequence)).expect("each claim arrives once");
                 let token = self.events as Token;
                 self.tokens.insert(token, (k, sequence));
-                self.event(Event::Claimed { token, claim });
+                self.event(Event::Claimed(token, claim));
             }
             Happening::Reply(k, sequence, acknowledged, assignment) => {
                 self.replied(k, sequence, &acknowledged, assignment);
@@ -233,7 +233,7 @@ impl World {
                     self.recorded[task as usize] += 1;
                     assert_eq!(self.recorded[task as usize], 1, "task {task} was recorded twice");
                     self.open -= 1;
-                    self.event(Event::Recorded { task });
+                    self.event(Event::Recorded(task));
                 }
                 let in_progress = self.submitted + self.open - self.plan.tasks;
                 self.submit(self.plan.batch.saturating_sub(in_progress));
@@ -255,7 +255,7 @@ impl World {
         for action in actions {
             match action {
                 Action::Deliver(finished) => self.to_flush.push(finished.id),
-                Action::Reply { token, acknowledged, assignment } => {
+                Action::Reply(token, acknowledged, assignment) => {
                     let (k, sequence) = self.tokens.remove(&token).expect("each claim is answered once");
                     self.soon(Happening::Reply(k, sequence, acknowledged, assignment));
                 }
@@ -263,7 +263,7 @@ impl World {
                     self.notice_waits = true;
                     self.at(self.earliest_notice.max(self.now), Happening::Announcement);
                 }
-                Action::GiveUp { task, reason } => panic!("task {task} was given up: {reason}"),
+                Action::GiveUp(task, reason) => panic!("task {task} was given up: {reason}"),
                 Action::Announce(_) | Action::AnnounceEnd | Action::Warn(_) => {}
             }
         }

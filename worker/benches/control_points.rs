@@ -96,5 +96,5 @@ fn row(name: &str, nominal: &Scene, law: ContactLaw) {
         }
         (Err(failure), _) => failure.clone(),
     };
-    println!("| `{name}` | `{}` | {depth} | {} |", law.name(), cells.join(" | "));
+    println!("| `{name}` | `{}` | {depth} | {} |", law.word(), cells.join(" | "));
 }

@@ -75,7 +75,7 @@ fn at_end_of_life(name: &str, nominal: &Scene, law: ContactLaw) {
             shown.map_or_else(|| "failed".to_owned(), |(value, error)| format!("{value:.4} ({error:.1e})"))
         };
         let cells = found.each_ref().map(cell).join(" | ");
-        println!("| `{name}` | `{}` | {} [{}] | {cells} |", law.name(), output.name, unit.symbol());
+        println!("| `{name}` | `{}` | {} [{}] | {cells} |", law.word(), output.name, unit.symbol());
     }
 }
 
@@ -101,6 +101,6 @@ fn coverage(name: &str, source: &SceneSource, law: ContactLaw, random: u32) {
             format!("{}, {} | {worst:.2}", beyond(1.0), beyond(2.0))
         });
         let values = ratios(1).len();
-        println!("| `{name}` | `{}` | {} | {values} | {} |", law.name(), output.name, cells.join(" | "));
+        println!("| `{name}` | `{}` | {} | {values} | {} |", law.word(), output.name, cells.join(" | "));
     }
 }

@@ -54,13 +54,13 @@ impl Bore<f64> for Profile {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile {
     /// Initial radius R2 [m].
-    initial_radius: f64,
+    pub(crate) initial_radius: f64,
     /// Meaning of the depths of the control points.
     curve: BoreSpline,
     /// Depth of the curve at the control points `(n,)` [m].
     depth: Vec<f64>,
     /// Cubic in the local coordinate s of [0, 1) per interval, `(n, 4)`: R = a + s (b + s (c + s d)) [m].
-    cubic: Vec<[f64; 4]>,
+    pub(crate) cubic: Vec<[f64; 4]>,
     /// Intervals per radian.
     per_radian: f64,
     /// Second derivatives at the control points times the squared spacing `(n,)` [m].
@@ -94,20 +94,9 @@ impl Profile {
         Profile::round(self.initial_radius, points).with_spline(self.curve)
     }
 
-    /// Initial radius R2 [m].
-    pub(crate) fn initial_radius(&self) -> f64 {
-        self.initial_radius
-    }
-
     /// Number of control points.
     pub(crate) fn points(&self) -> usize {
         self.depth.len()
-    }
-
-    /// Depth of the curve at the control points `(n,)` [m].
-    #[cfg(test)]
-    pub(crate) fn depth(&self) -> &[f64] {
-        &self.depth
     }
 
     /// Replaces the wear depths by `depth` `(n,)` [m] and recomputes the spline.
@@ -135,11 +124,6 @@ impl Profile {
     #[inline(always)]
     pub(crate) fn within(&self, interval: usize, s: f64) -> Radius {
         cubic_at(self.cubic[interval], s, self.per_radian)
-    }
-
-    /// Coefficients in the fraction of interval `interval` between control points [m].
-    pub(crate) fn cubic(&self, interval: usize) -> [f64; 4] {
-        self.cubic[interval]
     }
 
     /// Depth at the control points less a twelfth of w'' times the squared spacing of `sub` intervals between two of them: the values
@@ -287,7 +271,7 @@ mod tests {
     #[test]
     fn interpolates_its_control_points_and_closes() {
         let p = bumpy(36);
-        for (i, d) in p.depth().iter().enumerate() {
+        for (i, d) in p.depth.iter().enumerate() {
             assert!((p.radius_at(TAU * i as f64 / 36.0).r - 1.5e-3 - d).abs() < 1e-17);
         }
         let (a, b) = (p.radius_at(-1e-12), p.radius_at(1e-12));

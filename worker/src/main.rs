@@ -185,11 +185,10 @@ enum CommandError {
 impl CommandError {
     fn exit_code(&self) -> u8 {
         match self {
-            Self::Service(ServiceError::Settings { .. }) | Self::Scene(_) => BAD_INPUT,
-            Self::Offer(_) => BAD_INPUT,
+            Self::Service(ServiceError::Settings { .. }) => BAD_INPUT,
             Self::UmBridge(UmBridgeError::Refused { .. }) | Self::Service(_) => FAILURE,
             Self::Signals(_) | Self::Cycle(_) => FAILURE,
-            Self::UmBridge(_) => BAD_INPUT,
+            Self::UmBridge(_) | Self::Scene(_) | Self::Offer(_) => BAD_INPUT,
         }
     }
 }
@@ -279,20 +278,15 @@ fn work(arguments: Arguments) -> Result<ExitCode, CommandError> {
         stopper.stop();
     };
     let interrupted = signals.listen(stop).map_err(CommandError::Signals)?;
-    let departure = worker.join()?;
-    match departure {
+    let left = |why: &str, lost: usize| match lost {
+        0 => tracing::info!("{why}; all finished outcomes were returned"),
+        _ => tracing::warn!("{why}; {lost} finished outcomes could not be returned"),
+    };
+    match worker.join()? {
         Departure::CampaignEnded => tracing::info!("the coordinator has finished"),
-        Departure::Stopped { lost: 0 } => tracing::info!("stopped; all finished outcomes were returned"),
-        Departure::Stopped { lost } => {
-            tracing::warn!("stopped; {lost} finished outcomes could not be returned");
-        }
+        Departure::Stopped { lost } => left("stopped", lost),
         Departure::Idle => tracing::info!("left after --idle-timeout without tasks"),
-        Departure::TimeUp { lost: 0 } => {
-            tracing::info!("--walltime is over; all finished outcomes were returned")
-        }
-        Departure::TimeUp { lost } => {
-            tracing::warn!("--walltime is over; {lost} finished outcomes could not be returned");
-        }
+        Departure::TimeUp { lost } => left("--walltime is over", lost),
         Departure::Aborted => tracing::info!("aborted"),
     }
     Ok(exit_code(&interrupted))

@@ -47,24 +47,13 @@ pub enum AccuracyNameError {
     /// A preset that is not the first part. Holds the name of the preset.
     #[error("the preset {0:?} comes first, changes of it after it")]
     Misplaced(String),
-    /// The value of a knob is out of range or not a number.
-    #[error("{part:?}: allowed for {knob}: {allowed}")]
-    Value {
-        /// The part of the name with knob and value.
-        part: String,
-        /// Name of the knob.
-        knob: &'static str,
-        /// Values that are allowed, in words.
-        allowed: &'static str,
-    },
-    /// The knobs together lead a setting out of its range.
-    #[error("{name:?}: the changes together lead {setting} out of its range")]
-    Together {
-        /// The whole name.
-        name: String,
-        /// Name of the setting.
-        setting: &'static str,
-    },
+    /// The value of a knob is out of range or not a number. Holds the part of the name with knob and value, the name of the knob, and
+    /// the values that are allowed, in words.
+    #[error("{0:?}: allowed for {1}: {2}")]
+    Value(String, &'static str, &'static str),
+    /// The knobs together lead a setting out of its range. Holds the whole name and the name of the setting.
+    #[error("{0:?}: the changes together lead {1} out of its range")]
+    Together(String, &'static str),
 }
 
 /// List of the knobs for messages and help texts.
@@ -86,37 +75,31 @@ impl FromStr for NamedAccuracy {
             };
         }
         if let Some(setting) = accuracy.out_of_range() {
-            return Err(AccuracyNameError::Together { name: name.to_owned(), setting });
+            return Err(AccuracyNameError::Together(name.to_owned(), setting));
         }
         Ok(NamedAccuracy { name: name.to_owned(), accuracy })
     }
 }
 
 /// `accuracy` with one knob set.
-fn with_knob(accuracy: Accuracy, part: &str) -> Result<Accuracy, AccuracyNameError> {
+fn with_knob(mut accuracy: Accuracy, part: &str) -> Result<Accuracy, AccuracyNameError> {
     if part == "dynamic" {
         return Ok(Accuracy { tier: Tier::Dynamic, ..accuracy });
     }
-    type Turn = fn(Accuracy, f64) -> Accuracy;
-    type Knob = (&'static str, &'static str, f64, f64, Turn);
+    type Knob = (&'static str, &'static str, f64, f64, fn(&mut Accuracy, f64));
     let knobs: [Knob; 8] = [
-        ("step-x", "0.05 to 20", 0.05, 20.0, |a, factor| a.refined(1.0 / factor)),
-        ("points-x", "whole numbers from 1 to 64", 1.0, f64::from(MOST_POINTS), |a, n| Accuracy {
-            points: a.points.saturating_mul(n as u32),
-            ..a
+        ("step-x", "0.05 to 20", 0.05, 20.0, |a, factor| *a = a.refined(1.0 / factor)),
+        ("points-x", "whole numbers from 1 to 64", 1.0, f64::from(MOST_POINTS), |a, n| {
+            a.points = a.points.saturating_mul(n as u32);
         }),
-        ("halved-", "whole numbers from 1 to 6", 1.0, 6.0, |a, n| (0..n as u32).fold(a, |a, _| a.halved())),
-        ("jump-", "whole numbers from 1 to 1000000", 1.0, 1e6, |a, n| Accuracy { cycle_jump: n as u32, ..a }),
-        ("wear-tolerance-", "1e-9 to 1", 1e-9, 1.0, |a, t| Accuracy { wear_tolerance: t, ..a }),
-        ("samples-", "whole numbers from 20 to 100000", 20.0, 1e5, |a, n| Accuracy {
-            wear_samples: n as usize,
-            ..a
+        ("halved-", "whole numbers from 1 to 6", 1.0, 6.0, |a, n| {
+            (0..n as u32).for_each(|_| *a = a.halved())
         }),
-        ("warm-up-", "0 to 10", 0.0, 10.0, |a, w| Accuracy { warm_up: w, ..a }),
-        ("steps-", "whole numbers from 1000 to 100000000", 1e3, 1e8, |a, n| Accuracy {
-            steps_bound: n as u64,
-            ..a
-        }),
+        ("jump-", "whole numbers from 1 to 1000000", 1.0, 1e6, |a, n| a.cycle_jump = n as u32),
+        ("wear-tolerance-", "1e-9 to 1", 1e-9, 1.0, |a, t| a.wear_tolerance = t),
+        ("samples-", "whole numbers from 20 to 100000", 20.0, 1e5, |a, n| a.wear_samples = n as usize),
+        ("warm-up-", "0 to 10", 0.0, 10.0, |a, w| a.warm_up = w),
+        ("steps-", "whole numbers from 1000 to 100000000", 1e3, 1e8, |a, n| a.steps_bound = n as u64),
     ];
     let (value, (knob, allowed, least, most, turn)) = knobs
         .into_iter()
@@ -127,8 +110,9 @@ fn with_knob(accuracy: Accuracy, part: &str) -> Result<Accuracy, AccuracyNameErr
         .parse::<f64>()
         .ok()
         .filter(|x| (least..=most).contains(x) && (!whole || x.fract() == 0.0))
-        .ok_or_else(|| AccuracyNameError::Value { part: part.to_owned(), knob, allowed })?;
-    Ok(turn(accuracy, number))
+        .ok_or_else(|| AccuracyNameError::Value(part.to_owned(), knob, allowed))?;
+    turn(&mut accuracy, number);
+    Ok(accuracy)
 }
 
 /// True if what follows the name of a knob goes on as a longer name: `jump-` is not the knob of `jump-steps-3`.
@@ -142,32 +126,24 @@ pub const MOST_LEVELS: usize = 3;
 /// Reason why accuracies are no levels of a study.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum LevelsError {
-    /// None, or too many.
-    #[error("{count} levels; allowed: one to {MOST_LEVELS}")]
-    Count {
-        /// Number of levels.
-        count: usize,
-    },
-    /// A level that is not finer than the one before.
+    /// None, or too many. Holds the number of levels.
+    #[error("{0} levels; allowed: one to {MOST_LEVELS}")]
+    Count(usize),
+    /// A level that is not finer than the one before. Holds its name and that of the level before.
     #[error(
-        "level {finer:?} is not finer than {coarser:?}: levels go from the coarsest to the finest, and no setting may become coarser"
+        "level {0:?} is not finer than {1:?}: levels go from the coarsest to the finest, and no setting may become coarser"
     )]
-    Order {
-        /// Name of the level before.
-        coarser: String,
-        /// Name of the level that ought to be finer.
-        finer: String,
-    },
+    Order(String, String),
 }
 
 impl LevelsError {
     /// The first reason why `levels` are none.
     pub fn of(levels: &[NamedAccuracy]) -> Option<Self> {
         if !(1..=MOST_LEVELS).contains(&levels.len()) {
-            return Some(Self::Count { count: levels.len() });
+            return Some(Self::Count(levels.len()));
         }
         let wrong = levels.windows(2).find(|pair| !is_finer(&pair[1].accuracy, &pair[0].accuracy))?;
-        Some(Self::Order { coarser: wrong[0].name.clone(), finer: wrong[1].name.clone() })
+        Some(Self::Order(wrong[1].name.clone(), wrong[0].name.clone()))
     }
 }
 
@@ -183,8 +159,8 @@ fn is_finer(a: &Accuracy, b: &Accuracy) -> bool {
             f64::from(a.points),
         ]
     };
-    let pairs: Vec<(f64, f64)> = numbers(a).into_iter().zip(numbers(b)).collect();
-    pairs.iter().all(|(a, b)| a >= b) && pairs.iter().any(|(a, b)| a > b)
+    let pairs = || numbers(a).into_iter().zip(numbers(b));
+    pairs().all(|(a, b)| a >= b) && pairs().any(|(a, b)| a > b)
 }
 
 #[cfg(test)]

@@ -1,3 +1,5 @@
+//! Requests for one cycle on worn surfaces, as they are asked for and as a program or a model receives them.
+//!
 //! The contacts of one cycle as a program gives them: read from JSON or CSV, closed over the period, and checked by name and field.
 //!
 //! | field | value | unit |
@@ -13,10 +15,13 @@
 //! One cycle as a table of comma-separated values: `time`, `JOINT.FIELD` as a reply names them, and the outputs, whose last value counts.
 
 use super::joint_cycle::{CycleJoint, JointCycle, check_joint, sampling_error, slopes};
+use super::program::SampleByName;
 use super::reply::{NoResult, by_name, is_non_finite_word, number, object, shown};
 use crate::evaluation_shape::LARGEST;
-use crate::scene::{JointKind, Scene};
+use crate::scene::{Condition, Joint, JointKind, Output, Scene};
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
+use std::collections::BTreeMap;
 
 /// Longest gap between the last instant and the end of the cycle, in the longest steps between instants [1].
 const LONGEST_GAP: f64 = 1.5;
@@ -26,6 +31,45 @@ const ROUNDING: f64 = 1e-6;
 /// Fields of a joint besides its instants, in the order of the vectors of a model.
 pub(super) const FIELDS: [&str; 6] =
     ["force_x", "force_y", "angle", "sliding", "eccentricity_x", "eccentricity_y"];
+
+/// Radii of the surfaces of a joint at their control points, from angle zero on, at equal angles `(points,)` each [m].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct WornRadii {
+    /// The bore, in the bushing's frame.
+    pub bushing: Vec<f64>,
+    /// The journal, in its body's frame.
+    pub journal: Vec<f64>,
+}
+
+/// A cycle as it is asked of a program.
+#[derive(Debug, Clone, Copy)]
+pub struct CycleRequest<'a> {
+    /// The scene of the sample, under the condition if it has any.
+    pub scene: &'a Scene,
+    /// The operating condition of the cycle.
+    pub condition: Option<&'a Condition>,
+    /// Cycles worn so far.
+    pub cycle: u32,
+    /// Name of the accuracy.
+    pub accuracy: &'a str,
+    /// Surfaces of every joint, by its name.
+    pub joints: &'a BTreeMap<String, WornRadii>,
+}
+
+/// The line of a request.
+#[derive(Clone, Copy, Serialize)]
+pub(super) struct CycleLine<'a> {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) id: Option<u64>,
+    pub(super) cycle: u32,
+    pub(super) sample: SampleByName<'a>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) condition: Option<&'a str>,
+    pub(super) accuracy: &'a str,
+    pub(super) period: f64,
+    pub(super) joints: &'a BTreeMap<String, WornRadii>,
+    pub(super) outputs: &'a [&'a str],
+}
 
 /// What a reply has to give.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,15 +96,15 @@ pub struct CycleReply {
 impl ExpectedCycle {
     /// Joints, outputs and period of a scene whose simulator gives cycles.
     pub fn from_scene(scene: &Scene) -> Self {
-        let joint = |joint: &crate::scene::Joint| match &joint.kind {
-            JointKind::Clearance(clearance) => Some(CycleJoint {
+        let joint = |joint: &Joint| {
+            let JointKind::Clearance(clearance) = &joint.kind else { return None };
+            Some(CycleJoint {
                 name: joint.name.clone(),
                 journal_radius: clearance.journal_radius,
                 has_worn_journal: clearance.wear_coefficients()[1] > 0.0,
-            }),
-            _ => None,
+            })
         };
-        let given = |output: &crate::scene::Output| output.kind.wear().is_none().then(|| output.name.clone());
+        let given = |output: &Output| output.kind.wear().is_none().then(|| output.name.clone());
         ExpectedCycle {
             joints: scene.joints.iter().filter_map(joint).collect(),
             outputs: scene.outputs.iter().map(given).collect(),
@@ -92,13 +136,10 @@ impl ExpectedCycle {
                 return Err(format!("joints.{} is missing; found: {}", joint.name, found.join(", ")).into());
             };
             let fields = Fields { place: format!("joints.{}", joint.name), values: of_joint, cycle };
-            let time = match fields.list("time", None)? {
-                Some(time) => time,
-                None => {
-                    let shared = Fields { place: String::new(), values: reply, cycle };
-                    shared.list("time", None)?.ok_or_else(|| format!("{}.time is missing", fields.place))?
-                }
-            };
+            let shared = Fields { place: String::new(), values: reply, cycle };
+            let time =
+                fields.list("time", None).transpose().or_else(|| shared.list("time", None).transpose());
+            let time = time.ok_or_else(|| format!("{}.time is missing", fields.place))??;
             joints.push(self.joint(joint, &fields, time)?);
         }
         let mut outputs = vec![0.0; self.outputs.len()];
@@ -116,11 +157,10 @@ impl ExpectedCycle {
     pub(super) fn misfit(&self, inputs: usize, sizes: &[Vec<usize>; 2]) -> Option<(Vec<usize>, String)> {
         let (joints, outputs) = (self.joints.len(), self.outputs.iter().flatten().count());
         let [taken, given] = sizes;
-        if taken.len() != 1 + 2 * joints || taken[0] != inputs {
-            let expected = format!(
-                "{inputs} inputs, then radii of bushing and journal of each joint: {} vectors",
-                1 + 2 * joints
-            );
+        let count = 1 + 2 * joints;
+        if taken.len() != count || taken[0] != inputs {
+            let expected =
+                format!("{inputs} inputs, then radii of bushing and journal of each joint: {count} vectors");
             return Some((taken.clone(), expected));
         }
         let of_cycle = match given.split_first() {
@@ -151,12 +191,12 @@ impl ExpectedCycle {
         }
         let time = vectors.next().unwrap_or_default();
         let fields = vectors.len() / self.joints.len();
-        let mut joint = |joint: &CycleJoint| {
+        let joint = |joint: &CycleJoint| {
             let columns = FIELDS[..fields].iter().zip(vectors.by_ref());
             let columns = columns.map(|(field, column)| ((*field).to_owned(), Value::from(column)));
             (joint.name.clone(), Value::Object(columns.collect()))
         };
-        let joints = self.joints.iter().map(&mut joint).collect();
+        let joints = self.joints.iter().map(joint).collect();
         reply_object(Some(time.into()), joints, outputs)
     }
 
@@ -176,9 +216,8 @@ impl ExpectedCycle {
             _ => return Err(format!("{place}: eccentricity_x and eccentricity_y need each other").into()),
         };
         if angle.is_none() && joint.has_worn_journal {
-            return Err(
-                format!("{place}.angle is missing: the journal wears at places that turn with it").into()
-            );
+            let fault = format!("{place}.angle is missing: the journal wears at places that turn with it");
+            return Err(fault.into());
         }
         let mut cycle = JointCycle {
             force: x.into_iter().zip(y).map(<[f64; 2]>::from).collect(),
@@ -190,17 +229,13 @@ impl ExpectedCycle {
         if !is_closed {
             cycle.close(self.period);
         }
-        let turning = cycle.angle.as_ref().map(|angle| slopes(&cycle.time, angle));
-        let of_angle =
-            turning.map(|rates| rates.into_iter().map(|rate| joint.journal_radius * rate).collect());
-        cycle.sliding = match (&of_angle, sliding) {
-            (_, Some(mut sliding)) => {
-                sliding.resize(cycle.time.len(), sliding[0]);
-                sliding
-            }
-            (Some(of_angle), None) => Vec::clone(of_angle),
-            (None, None) => return Err(format!("{place}: neither sliding nor angle is given").into()),
+        let speeds = |rates: Vec<f64>| -> Vec<f64> {
+            rates.into_iter().map(|rate| joint.journal_radius * rate).collect()
         };
+        let of_angle = cycle.angle.as_ref().map(|angle| speeds(slopes(&cycle.time, angle)));
+        let neither = || format!("{place}: neither sliding nor angle is given");
+        cycle.sliding = sliding.or_else(|| of_angle.clone()).ok_or_else(neither)?;
+        cycle.sliding.resize(cycle.time.len(), cycle.sliding[0]);
         check_joint(joint, &cycle, of_angle.as_deref()).map_err(|fault| format!("{place}.{fault}"))?;
         Ok(cycle)
     }

@@ -7,12 +7,10 @@
 //! finished counts for nothing. The request contains the surfaces, which follow from the replies before it: a life that goes on has the
 //! same bits. The file is removed at the end of the life.
 
-use super::cycle_reply::{CycleReply, ExpectedCycle};
-use super::cycle_request::{CycleLine, CycleRequest};
-use super::error::SimulatorError;
-use super::program::{ProgramSlot, Request, SampleByName, Setup};
+use super::cycle_reply::{CycleLine, CycleReply, CycleRequest, ExpectedCycle};
+use super::program::{ProgramSlot, Request, SampleByName};
 use super::reply::{Expected, outcome};
-use super::slot::{Slot, SlotError, SlotRequest, StopSignal};
+use super::slot::{SimulatorError, Slot, SlotError, SlotRequest, StopSignal};
 use super::umbridge::ModelSlot;
 use crate::failure::SimulationFailure;
 use crate::scene::source::digest;
@@ -22,13 +20,12 @@ use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions, create_dir_all, read_to_string, remove_file};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 /// A slot whose program or model gives cycles.
 #[derive(Debug)]
 pub enum CycleSlot {
-    /// A program with its setup.
-    Program(Arc<Setup>, ProgramSlot),
+    /// A program of this machine.
+    Program(ProgramSlot),
     /// A model of a server.
     Model(ModelSlot),
 }
@@ -48,25 +45,22 @@ impl CycleSlot {
     /// Starts a program that keeps running.
     ///
     /// # Errors
-    /// [`SimulatorError::Start`].
+    /// [`SimulatorError`].
     pub fn start(&mut self) -> Result<(), SimulatorError> {
-        match self {
-            CycleSlot::Program(_, slot) => slot.start(),
-            CycleSlot::Model(slot) => slot.start(),
-        }
+        if let CycleSlot::Program(slot) = self { slot.start() } else { Ok(()) }
     }
 
     /// Name of the slot in results.
     pub fn name(&self) -> String {
         match self {
-            CycleSlot::Program(_, slot) => slot.name(),
+            CycleSlot::Program(slot) => slot.name(),
             CycleSlot::Model(slot) => slot.name(),
         }
     }
 
     fn broken(&self, id: u64, fault: String) -> SimulatorError {
         match self {
-            CycleSlot::Program(setup, _) => setup.broken(id, fault),
+            CycleSlot::Program(slot) => slot.setup.broken(id, fault),
             CycleSlot::Model(slot) => slot.broken(id, fault),
         }
     }
@@ -87,10 +81,8 @@ impl CycleSlot {
             Some(Gives::Cycle(program)) => program.journal.as_deref(),
             _ => None,
         };
-        let open = |folder: &str| {
-            CycleJournal::open(Path::new(folder), life)
-                .map_err(|reason| SimulatorError::Journal { folder: folder.to_owned(), reason })
-        };
+        let open =
+            |folder: &str| CycleJournal::open(Path::new(folder), life).map_err(|e| no_journal(folder, &e));
         let journal = folder.map(open).transpose()?;
         Ok(CyclesOfLife { slot: self, id, sample, stop, inputs: Expected::from_scene(scene), journal })
     }
@@ -100,7 +92,7 @@ impl CyclesOfLife<'_> {
     /// The reply to a request, from the journal or from the program.
     ///
     /// # Errors
-    /// As [`Slot::evaluate`]; a reply that does not fit the scene is [`SimulatorError::Protocol`].
+    /// As [`Slot::evaluate`]; a reply that does not fit the scene is a [`SimulatorError`].
     pub fn ask(
         &mut self,
         request: &CycleRequest,
@@ -134,7 +126,7 @@ impl CyclesOfLife<'_> {
         let of_object =
             |reply: &Map<String, Value>| expected.of_object(reply, cycle).map_err(|none| none.of(&place));
         let asked = match slot {
-            CycleSlot::Program(_, slot) => slot.ask(
+            CycleSlot::Program(slot) => slot.ask(
                 Request { asked: SlotRequest { id: *id, level: 0, sample: values }, text: &with_id },
                 stop,
                 |setup, text| match setup.line_reply(*id, text)? {
@@ -149,8 +141,7 @@ impl CyclesOfLife<'_> {
             Err(failure) => return Ok(Err(failure)),
         };
         if let Some(journal) = journal {
-            let written = journal.add(&key(), &reply);
-            written.map_err(|reason| SimulatorError::Journal { folder: "of the life".to_owned(), reason })?;
+            journal.add(&key(), &reply).map_err(|reason| no_journal("of the life", &reason))?;
         }
         Ok(Ok(cycle))
     }
@@ -166,6 +157,11 @@ impl CyclesOfLife<'_> {
             tracing::warn!("the journal of a life cannot be removed: {error}");
         }
     }
+}
+
+/// The error of a journal in `folder` that cannot be read or written.
+fn no_journal(folder: &str, reason: &io::Error) -> SimulatorError {
+    SimulatorError::of_key("journal", format!("{folder}: {reason}"))
 }
 
 /// The journal of one life.

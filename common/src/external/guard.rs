@@ -51,17 +51,9 @@ static GUARDS: Mutex<BTreeMap<Option<usize>, Arc<Guard>>> = Mutex::new(BTreeMap:
 pub struct Guard {
     /// End of the pipe for reading, inherited by all programs.
     reader: PipeReader,
-    holder: Holder,
-}
-
-/// Who has the end for writing.
-#[derive(Debug)]
-enum Holder {
-    /// This process; the system closes it.
-    Own {
-        _writer: PipeWriter,
-    },
-    Watch(Mutex<Watch>),
+    /// End for writing, which the system closes with this process; none if the watch has it.
+    _writer: Option<PipeWriter>,
+    watch: Option<Mutex<Watch>>,
 }
 
 /// The process that ends without contact.
@@ -77,26 +69,21 @@ impl Guard {
         let (reader, writer) = std::io::pipe()?;
         // The end for writing is closed when a program is executed.
         fcntl_setfd(&reader, FdFlags::empty())?;
-        let holder = if needs_contact {
-            let mut shell = Command::new("/bin/sh");
-            // Signals of a terminal to this process do not reach it.
-            shell
-                .args(["-c", WATCH])
-                .process_group(0)
-                .stdin(Stdio::piped())
-                .stdout(writer)
-                .stderr(Stdio::null());
-            let mut process = shell.spawn()?;
-            Holder::Watch(Mutex::new(Watch { limits: process.stdin.take(), process }))
-        } else {
-            Holder::Own { _writer: writer }
-        };
-        Ok(Self { reader, holder })
+        if !needs_contact {
+            return Ok(Self { reader, _writer: Some(writer), watch: None });
+        }
+        let mut shell = Command::new("/bin/sh");
+        // Signals of a terminal to this process do not reach it.
+        shell.args(["-c", WATCH]).process_group(0);
+        shell.stdin(Stdio::piped()).stdout(writer).stderr(Stdio::null());
+        let mut process = shell.spawn()?;
+        let watch = Watch { limits: process.stdin.take(), process };
+        Ok(Self { reader, _writer: None, watch: Some(Mutex::new(watch)) })
     }
 
     /// True if it has ended its programs for lack of contact. It is called when one of them was killed.
     pub fn has_ended_programs(&self) -> bool {
-        let Holder::Watch(watch) = &self.holder else { return false };
+        let Some(watch) = &self.watch else { return false };
         let killed = Instant::now();
         loop {
             if !matches!(locked(watch).process.try_wait(), Ok(None)) {
@@ -111,13 +98,10 @@ impl Guard {
 
     /// Sends a time limit to the watch.
     fn limit(&self, seconds: u64) -> Result<()> {
-        match &self.holder {
-            Holder::Own { .. } => Ok(()),
-            Holder::Watch(watch) => match &mut locked(watch).limits {
-                Some(limits) => limits.write_all(format!("{seconds}\n").as_bytes()),
-                None => Err(Error::other("the watch has no input")),
-            },
-        }
+        let Some(watch) = &self.watch else { return Ok(()) };
+        let watch = &mut *locked(watch);
+        let limits = watch.limits.as_mut().ok_or_else(|| Error::other("the watch has no input"))?;
+        limits.write_all(format!("{seconds}\n").as_bytes())
     }
 }
 
@@ -175,10 +159,7 @@ fn guard_of(guards: &mut BTreeMap<Option<usize>, Arc<Guard>>, contact: Option<us
 /// # Errors
 /// The command is empty.
 pub fn program_path(command: &[String], folder: &Path) -> Result<PathBuf> {
-    let Some(program) = command.first() else {
-        return Err(Error::other("the command is empty"));
-    };
-    let named = PathBuf::from(program);
+    let named = PathBuf::from(command.first().ok_or_else(|| Error::other("the command is empty"))?);
     Ok(if named.components().count() > 1 { folder.join(named) } else { named })
 }
 
@@ -210,15 +191,14 @@ pub fn check_executable(command: &[String], folder: &Path) -> Result<()> {
 
 fn is_executable(file: &Path) -> Result<()> {
     use std::os::unix::fs::PermissionsExt;
+    let name = file.display();
     let found = std::fs::metadata(file).map_err(|error| match error.kind() {
-        ErrorKind::NotFound => {
-            Error::new(ErrorKind::NotFound, format!("there is no file {}", file.display()))
-        }
+        ErrorKind::NotFound => Error::new(ErrorKind::NotFound, format!("there is no file {name}")),
         _ => error,
     })?;
     if found.is_file() && found.permissions().mode() & 0o111 != 0 {
         return Ok(());
     }
-    let reason = format!("{} may not be executed; allow it with chmod +x", file.display());
+    let reason = format!("{name} may not be executed; allow it with chmod +x");
     Err(Error::new(ErrorKind::PermissionDenied, reason))
 }

@@ -26,19 +26,16 @@ impl SimulatorId {
         let output_units: Vec<String> =
             scene.outputs.iter().map(|output| output.kind.unit().symbol().to_owned()).collect();
         let parts = (&simulator.version, (inputs, input_units), (outputs, output_units), cycles);
-        let mut text = serde_json::to_string(&parts).expect("lists of texts and numbers are JSON");
+        let mut text = json(&parts);
         if let Gives::Cycle(CycleProgram { tier, .. }) = &simulator.gives {
             let changes: Vec<&[String]> = scene.variables.iter().map(|variable| &*variable.changes).collect();
             let wear = (tier, &scene.joints, &scene.wear, &scene.life, &scene.accuracy, changes);
-            text += &serde_json::to_string(&wear).expect("lists of texts and numbers are JSON");
+            text += &json(&wear);
             for Condition { name, share, scene, parameters } in &scene.conditions {
-                let condition = (name, share, parameters, &scene.joints, &scene.life);
-                text += &serde_json::to_string(&condition).expect("texts and numbers are JSON");
+                text += &json(&(name, share, parameters, &scene.joints, &scene.life));
             }
         }
-        if !simulator.levels.is_empty() {
-            text += &simulator.levels.join("\n");
-        }
+        text += &simulator.levels.join("\n");
         Self { scene: scene.name.clone(), digest: digest(&text) }
     }
 
@@ -46,6 +43,10 @@ impl SimulatorId {
     pub fn of_scene(scene: &Scene) -> Option<Self> {
         scene.simulator.as_ref().map(|simulator| Self::new(simulator, scene))
     }
+}
+
+fn json(parts: &impl Serialize) -> String {
+    serde_json::to_string(parts).expect("lists of texts and numbers are JSON")
 }
 
 impl fmt::Display for SimulatorId {

@@ -3,23 +3,21 @@
 //!
 //! | file | content |
 //! |---|---|
-//! | `slot` | a slot evaluates one sample at a time; the signal that stops it |
+//! | `slot` | a slot evaluates one sample at a time; the signal that stops it; errors of simulators |
 //! | `guard` | finds the program of a command; ends a process group with the process that started it, or without contact |
 //! | `process` | a process with its process group: lines in and out, time limit, kill |
 //! | `reply`, `results_file` | what programs write and read, checked against the scene |
 //! | `working_folder` | one run of a program in a folder, with files in and out; templates |
 //! | `program`, `umbridge` | the two kinds of simulators |
 //! | `cycle_slot` | cycles of a program on worn surfaces; the replies of a life under way |
-//! | `cycle_request`, `cycle_reply`, `joint_cycle` | one cycle as it is asked for and as it is read, and what shows that it is wrong |
+//! | `cycle_reply`, `joint_cycle` | one cycle as it is asked for and as it is read, and what shows that it is wrong |
 //! | `opened` | the simulator of a scene, ready to give slots |
 //! | `identity` | what a coordinator and a worker with its own program agree by |
 
 mod cycle_reply;
 #[cfg(test)]
 mod cycle_reply_tests;
-mod cycle_request;
 mod cycle_slot;
-mod error;
 mod guard;
 mod identity;
 mod joint_cycle;
@@ -32,13 +30,11 @@ mod slot;
 mod umbridge;
 mod working_folder;
 
-pub use cycle_reply::CycleReply;
-pub use cycle_request::{CycleRequest, WornRadii};
+pub use cycle_reply::{CycleReply, CycleRequest, WornRadii};
 pub use cycle_slot::{CycleSlot, CyclesOfLife};
-pub use error::SimulatorError;
 pub use guard::limit_contact;
 pub use identity::SimulatorId;
 pub use joint_cycle::JointCycle;
 pub use opened::{OpenedSimulator, check};
 pub use process::kill_all;
-pub use slot::{SampleResult, Slot, SlotError, SlotRequest, StopSignal};
+pub use slot::{SampleResult, SimulatorError, Slot, SlotError, SlotRequest, StopSignal};

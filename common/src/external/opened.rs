@@ -1,9 +1,8 @@
 //! Opens the external simulator named by a scene: a program or an UM-Bridge model server.
 
 use super::cycle_slot::CycleSlot;
-use super::error::SimulatorError;
 use super::program::{ProgramSlot, Setup, check_program_file};
-use super::slot::Slot;
+use super::slot::{SimulatorError, Slot};
 use super::umbridge::{ModelSlot, UmBridgeClient};
 use crate::scene::{ExternalSimulator, Scene, SimulatorKind};
 use std::sync::Arc;
@@ -12,7 +11,7 @@ use std::sync::Arc;
 /// can be read.
 ///
 /// # Errors
-/// [`SimulatorError::Start`].
+/// [`SimulatorError`].
 pub fn check(simulator: &ExternalSimulator, scene: &Scene) -> Result<(), SimulatorError> {
     match &simulator.kind {
         SimulatorKind::Program(program) => check_program_file(program, scene),
@@ -50,9 +49,7 @@ impl OpenedSimulator {
     /// A slot for cycles with this number.
     pub fn cycle_slot(&self, number: usize) -> CycleSlot {
         match self {
-            Self::Program(setup) => {
-                CycleSlot::Program(Arc::clone(setup), ProgramSlot::new(Arc::clone(setup), number))
-            }
+            Self::Program(setup) => CycleSlot::Program(ProgramSlot::new(Arc::clone(setup), number)),
             Self::Server(client) => CycleSlot::Model(ModelSlot::new(Arc::clone(client), number)),
         }
     }

@@ -207,7 +207,7 @@ impl Process {
     /// The last lines of standard error.
     pub fn last_lines(&self) -> String {
         // They may still be in the pipe.
-        self.wait_for_stderr();
+        wait_until(|| Arc::strong_count(&self.stderr) == 1);
         locked(&self.stderr).iter().cloned().collect::<Vec<_>>().join(" / ")
     }
 
@@ -240,23 +240,10 @@ impl Process {
     /// Closes the program's input, waits for its exit, kills what is left of its group; returns how it ended.
     fn finish(&mut self) -> String {
         self.input = None;
-        let started = Instant::now();
-        while !self.has_exited() && started.elapsed() < FAREWELL {
-            std::thread::sleep(EXIT_POLL);
-        }
-        if self.has_exited() {
-            return self.end();
-        }
-        self.end();
-        "its standard output closed".to_owned()
-    }
-
-    /// Waits until standard error is closed, at most [`FAREWELL`].
-    fn wait_for_stderr(&self) {
-        let started = Instant::now();
-        while Arc::strong_count(&self.stderr) > 1 && started.elapsed() < FAREWELL {
-            std::thread::sleep(EXIT_POLL);
-        }
+        wait_until(|| self.has_exited());
+        let has_exited = self.has_exited();
+        let status = self.end();
+        if has_exited { status } else { "its standard output closed".to_owned() }
     }
 
     /// Kills the program, if it runs, with its child processes, and then reaps it; returns how it ended.
@@ -282,6 +269,14 @@ impl Drop for Process {
     }
 }
 
+/// Waits until a condition holds, at most [`FAREWELL`].
+fn wait_until(holds: impl Fn() -> bool) {
+    let started = Instant::now();
+    while !holds() && started.elapsed() < FAREWELL {
+        std::thread::sleep(EXIT_POLL);
+    }
+}
+
 /// Appends a line to the last ones.
 fn keep(kept: &Mutex<VecDeque<String>>, line: &str) {
     let mut kept = locked(kept);
@@ -302,19 +297,12 @@ fn kill_group(group: i32) {
 fn each_line(from: impl Read, mut take: impl FnMut(String) -> bool) {
     let mut from = BufReader::new(from);
     let mut line = Vec::new();
-    loop {
-        line.clear();
-        match from.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut line) {
-            Ok(0) | Err(_) => return,
-            Ok(_) => {
-                let lossy = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
-                let text = String::from_utf8(std::mem::take(&mut line));
-                let mut text = text.unwrap_or_else(|error| lossy(error.into_bytes()));
-                text.truncate(text.trim_end_matches(['\n', '\r']).len());
-                if !take(text) {
-                    return;
-                }
-            }
+    while let Ok(1..) = from.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut line) {
+        let text = String::from_utf8(std::mem::take(&mut line));
+        let mut text = text.unwrap_or_else(|error| String::from_utf8_lossy(error.as_bytes()).into_owned());
+        text.truncate(text.trim_end_matches(['\n', '\r']).len());
+        if !take(text) {
+            return;
         }
     }
 }

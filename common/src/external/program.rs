@@ -6,14 +6,13 @@
 //! same shape under `errors` if the program estimates any, or `{"id": 7, "failure": "..."}`. A process that exceeds the
 //! time limit is killed and replaced; a process that exits is replaced and gets the request once more.
 
-use super::error::SimulatorError;
 use super::guard::check_executable;
 use super::process::{LineError, Process};
 use super::reply::{Expected, NoResult, outcome, parse, shown};
 use super::results_file::{self, of_object};
-use super::slot::{SampleResult, Slot, SlotError, SlotRequest, StopSignal};
-use super::working_folder::{FileProgram, check_file};
-use crate::failure::SimulationFailure;
+use super::slot::{SampleResult, SimulatorError, Slot, SlotError, SlotRequest, StopSignal};
+use super::working_folder::{self, check_file};
+use crate::failure::{SimulationFailure, last_words};
 use crate::outputs::Evaluation;
 use crate::scene::{Exchange, Program, Scene};
 use serde::{Serialize, Serializer};
@@ -84,11 +83,11 @@ impl Setup {
         let Value::Object(reply) = reply else {
             return Err(format!("\"{}\" is no object {{\"id\": ..., \"outputs\": ...}}", shown(line)));
         };
-        if reply.get("id").and_then(Value::as_u64) != Some(id) {
-            let found = reply.get("id").map_or("none".to_owned(), Value::to_string);
-            return Err(format!("its id is {found}, expected {id}"));
+        match reply.get("id") {
+            Some(found) if found.as_u64() == Some(id) => Ok(reply),
+            Some(found) => Err(format!("its id is {found}, expected {id}")),
+            None => Err(format!("its id is none, expected {id}")),
         }
-        Ok(reply)
     }
 
     /// The reply to evaluation `id` of a program that answers in lines; a results file has no number.
@@ -101,7 +100,7 @@ impl Setup {
 
     /// The error of a reply that breaks the protocol.
     pub(super) fn broken(&self, id: u64, fault: String) -> SimulatorError {
-        SimulatorError::Protocol { simulator: format!("\"{}\"", key_and_name(&self.program).1), id, fault }
+        SimulatorError::of_reply(&format!("\"{}\"", key_and_name(&self.program).1), id, &fault)
     }
 
     /// Result of a reply line, or of the text of a results file.
@@ -122,12 +121,6 @@ pub(super) struct Request<'a> {
     pub(super) text: &'a dyn Fn(&[f64]) -> String,
 }
 
-/// The files of a program that runs once per evaluation.
-fn file_program(program: &Program) -> Option<FileProgram<'_>> {
-    let Exchange::Files(exchange) = &program.exchange else { return None };
-    Some(FileProgram { command: &program.command, folder: Path::new(&program.folder), exchange })
-}
-
 /// Values of the inputs by name, in the order of the scene, which a map would not keep.
 #[derive(Clone, Copy)]
 pub(super) struct SampleByName<'a> {
@@ -145,12 +138,13 @@ impl Serialize for SampleByName<'_> {
 /// its templates filled.
 ///
 /// # Errors
-/// [`SimulatorError::Start`].
+/// [`SimulatorError`].
 pub fn check_program_file(program: &Program, scene: &Scene) -> Result<(), SimulatorError> {
-    let found = check_executable(&program.command, Path::new(&program.folder));
-    let files = || match file_program(program) {
-        Some(files) => files.check(&Expected::from_scene(scene).inputs),
-        None => program.fmu.as_ref().map_or(Ok(()), |fmu| check_file(Path::new(&program.folder), fmu)),
+    let folder = Path::new(&program.folder);
+    let found = check_executable(&program.command, folder);
+    let files = || match &program.exchange {
+        Exchange::Files(files) => working_folder::check(program, files, &Expected::from_scene(scene).inputs),
+        Exchange::Lines => program.fmu.as_ref().map_or(Ok(()), |fmu| check_file(folder, fmu)),
     };
     found.and_then(|()| files()).map_err(|reason| start_error(program, reason))
 }
@@ -162,13 +156,14 @@ fn key_and_name(program: &Program) -> (&'static str, String) {
 
 fn start_error(program: &Program, reason: std::io::Error) -> SimulatorError {
     let (key, name) = key_and_name(program);
-    SimulatorError::Start { key, program: name, folder: program.folder.clone(), reason }
+    let fault = format!("\"{name}\" cannot be started in {}: {reason}", program.folder);
+    SimulatorError::of_key(key, fault)
 }
 
 /// A slot with at most one running process.
 #[derive(Debug)]
 pub struct ProgramSlot {
-    setup: Arc<Setup>,
+    pub(super) setup: Arc<Setup>,
     number: usize,
     process: Option<Process>,
 }
@@ -199,13 +194,13 @@ impl ProgramSlot {
         stop: &StopSignal,
     ) -> Result<Result<String, LineError>, SlotError> {
         let line = (request.text)(sample) + "\n";
-        if let Some(files) = file_program(&self.setup.program) {
-            let inputs = (&self.setup.expected.inputs[..], sample);
-            let level = self.setup.level(request.asked.level);
-            let run = files.run(inputs, (level, &line), self.setup.timeout, stop);
-            return run.map_err(|reason| start_error(&self.setup.program, reason).into());
+        let Setup { program, expected, timeout, .. } = &*self.setup;
+        if let Exchange::Files(files) = &program.exchange {
+            let (inputs, level) = ((&expected.inputs[..], sample), self.setup.level(request.asked.level));
+            let run = working_folder::run((program, files), inputs, (level, &line), *timeout, stop);
+            return run.map_err(|reason| start_error(program, reason).into());
         }
-        self.start_process(stop.contact())?;
+        self.start_process(stop.contact)?;
         let process = self.process.as_mut().expect("the program was started above");
         let reply = process.ask(line, self.setup.timeout, stop);
         if reply.is_err() {
@@ -225,7 +220,7 @@ impl ProgramSlot {
     /// inputs. If it exits there too, the program is at fault.
     ///
     /// # Errors
-    /// [`SimulatorError::Dead`].
+    /// [`SimulatorError`].
     fn check_program(&mut self, request: Request, stop: &StopSignal) -> Result<(), SlotError> {
         if self.setup.answered.load(Ordering::Relaxed) {
             return Ok(());
@@ -233,16 +228,16 @@ impl ProgramSlot {
         let nominal = self.setup.nominal.clone();
         match self.attempt(request, &nominal, stop)? {
             Err(LineError::Ended { status, stderr }) => {
-                let (key, program) = key_and_name(&self.setup.program);
-                Err(SimulatorError::Dead { key, program, status, stderr }.into())
+                let (key, name) = key_and_name(&self.setup.program);
+                let said = last_words(&stderr);
+                let fault = format!("\"{name}\" ended with {status} instead of answering{said}");
+                return Err(SimulatorError::of_key(key, fault).into());
             }
-            Err(LineError::Stopped) => Err(SlotError::Stopped),
-            Err(LineError::TimedOut) => Ok(()),
-            Ok(_) => {
-                self.setup.answered.store(true, Ordering::Relaxed);
-                Ok(())
-            }
+            Err(LineError::Stopped) => return Err(SlotError::Stopped),
+            Err(LineError::TimedOut) => {}
+            Ok(_) => self.setup.answered.store(true, Ordering::Relaxed),
         }
+        Ok(())
     }
 
     /// The text of the reply to a request, read by `read`; a process whose line breaks the protocol is killed.
@@ -284,7 +279,7 @@ impl ProgramSlot {
 
 impl Slot for ProgramSlot {
     fn start(&mut self) -> Result<(), SimulatorError> {
-        if file_program(&self.setup.program).is_some() { Ok(()) } else { self.start_process(None) }
+        if self.setup.program.exchange == Exchange::Lines { self.start_process(None) } else { Ok(()) }
     }
 
     fn evaluate(&mut self, asked: SlotRequest<'_>, stop: &StopSignal) -> Result<SampleResult, SlotError> {

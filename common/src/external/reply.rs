@@ -1,7 +1,6 @@
 //! Converts the reply of an external simulator into an evaluation; checks names, shapes and numbers against the scene.
 
-use super::error::SimulatorError;
-use super::slot::SlotError;
+use super::slot::{SimulatorError, SlotError};
 use crate::evaluation_shape::LARGEST;
 use crate::failure::SimulationFailure;
 use crate::outputs::Evaluation;
@@ -24,11 +23,8 @@ impl Expected {
     pub fn from_scene(scene: &Scene) -> Self {
         let single = |kind: &OutputKind| matches!(kind, OutputKind::External { single: true, .. });
         let mut inputs: Vec<String> = scene.variables.iter().map(|variable| variable.name.clone()).collect();
-        for parameter in scene.conditions.iter().take(1).flat_map(|condition| condition.parameters.keys()) {
-            if !inputs.contains(parameter) {
-                inputs.push(parameter.clone());
-            }
-        }
+        let parameters = scene.conditions.first().into_iter().flat_map(|first| first.parameters.keys());
+        inputs.extend(parameters.filter(|name| scene.variables.iter().all(|v| v.name != **name)).cloned());
         Self {
             inputs,
             outputs: scene.outputs.iter().map(|o| (o.name.clone(), single(&o.kind))).collect(),
@@ -49,17 +45,16 @@ impl Expected {
 
     /// Names of the outputs with their numbers of values, for messages.
     pub fn sizes(&self) -> String {
-        let size = |((name, _), length): (&(String, bool), usize)| format!("{name} {length}");
-        self.outputs.iter().zip(self.lengths()).map(size).collect::<Vec<_>>().join(", ")
+        let sizes = self.outputs.iter().zip(self.lengths());
+        sizes.map(|((name, _), length)| format!("{name} {length}")).collect::<Vec<_>>().join(", ")
     }
 
     /// Values by the names of the outputs, from as many values as the outputs have, in their order.
     pub fn by_name(&self, values: impl IntoIterator<Item = Value>) -> Map<String, Value> {
         let mut values = values.into_iter();
-        let cut = |((name, _), length): (&(String, bool), usize)| {
-            (name.clone(), Value::Array(values.by_ref().take(length).collect()))
-        };
-        self.outputs.iter().zip(self.lengths()).map(cut).collect()
+        let mut cut = |length| Value::Array(values.by_ref().take(length).collect());
+        let sizes = self.outputs.iter().zip(self.lengths());
+        sizes.map(|((name, _), length)| (name.clone(), cut(length))).collect()
     }
 
     /// Builds an evaluation from values by name and, if given, numerical errors of the same shape and values at the start of
@@ -93,14 +88,13 @@ impl Expected {
         histories: &[Vec<f64>],
         given: Option<&Map<String, Value>>,
     ) -> Result<Vec<Option<f64>>, String> {
-        let start_of_output = |((name, single), history): (&(String, bool), &Vec<f64>)| match given
-            .and_then(|given| given.get(name))
-        {
-            Some(value) => match value.as_f64() {
-                Some(number) if number.abs() <= LARGEST => Ok(Some(number)),
-                _ => Err(format!("the start of output \"{name}\" is {value} instead of a number")),
-            },
-            None => Ok(single.then(|| history[0])),
+        let start_of_output = |((name, single), history): (&(String, bool), &Vec<f64>)| {
+            let Some(value) = given.and_then(|given| given.get(name)) else {
+                return Ok(single.then(|| history[0]));
+            };
+            let number = value.as_f64().filter(|number| number.abs() <= LARGEST);
+            let fault = || format!("the start of output \"{name}\" is {value} instead of a number");
+            number.map(Some).ok_or_else(fault)
         };
         let found: Vec<_> =
             self.outputs.iter().zip(histories).map(start_of_output).collect::<Result<_, _>>()?;
@@ -113,10 +107,8 @@ impl Expected {
             let Some(value) = errors.get(name) else { return Ok(vec![0.0; self.cycles.len()]) };
             let what = format!("the error of output \"{name}\"");
             let errors = self.history(&format!("{name} (its error)"), &what, value, *single)?;
-            match errors.iter().all(|error| *error >= 0.0) {
-                true => Ok(errors),
-                false => Err(format!("{what} is below 0").into()),
-            }
+            let is_right = errors.iter().all(|error| *error >= 0.0);
+            is_right.then_some(errors).ok_or_else(|| format!("{what} is below 0").into())
         };
         self.outputs.iter().map(of_output).collect()
     }
@@ -244,14 +236,8 @@ pub fn number(
 /// # Errors
 /// The message of the JSON parser.
 pub fn parse(text: &str) -> Result<Value, String> {
-    serde_json::from_str(text).or_else(|error| {
-        let quoted = quote_non_finite(text);
-        if quoted == text {
-            Err(error.to_string())
-        } else {
-            serde_json::from_str(&quoted).map_err(|_| error.to_string())
-        }
-    })
+    serde_json::from_str(text)
+        .or_else(|error| serde_json::from_str(&quote_non_finite(text)).map_err(|_| error.to_string()))
 }
 
 /// The first 120 characters of a text, for messages.

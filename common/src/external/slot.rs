@@ -1,8 +1,9 @@
-//! A slot evaluates one sample at a time with an external simulator, and polls a stop signal while it waits.
+//! A slot evaluates one sample at a time with an external simulator, and polls a stop signal while it waits. Errors of external
+//! simulators: programs that do not start or reply, servers whose model does not fit the scene.
 
-use super::error::SimulatorError;
 use crate::failure::SimulationFailure;
 use crate::outputs::Evaluation;
+use std::fmt::Display;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
@@ -20,7 +21,8 @@ pub type SampleResult = Result<Evaluation, SimulationFailure>;
 #[derive(Debug, Clone, Default)]
 pub struct StopSignal {
     flags: Vec<Arc<AtomicBool>>,
-    contact: Option<usize>,
+    /// The contact that the program needs.
+    pub(super) contact: Option<usize>,
 }
 
 impl StopSignal {
@@ -32,11 +34,6 @@ impl StopSignal {
     /// This signal for an evaluation whose program must end without `contact`; see `external::limit_contact`.
     pub fn needing(self, contact: Option<usize>) -> Self {
         Self { contact, ..self }
-    }
-
-    /// The contact that the program needs.
-    pub fn contact(&self) -> Option<usize> {
-        self.contact
     }
 
     /// True if the slot is to stop.
@@ -76,6 +73,24 @@ pub enum WaitError {
     Stopped,
 }
 
+/// Why a simulator cannot be used, in words: a program that cannot be started or ends without a reply, a reply that breaks the protocol, a
+/// server or a model that does not fit the scene. A failure it reports for a single sample is a failed simulation instead.
+#[derive(Debug, Error)]
+#[error("simulator{0}")]
+pub struct SimulatorError(String);
+
+impl SimulatorError {
+    /// The error of what the scene states at this key.
+    pub(super) fn of_key(key: &str, fault: impl Display) -> Self {
+        Self(format!(".{key}: {fault}"))
+    }
+
+    /// The error of a reply that breaks the protocol.
+    pub(super) fn of_reply(simulator: &str, id: u64, fault: &str) -> Self {
+        Self(format!(": invalid reply of {simulator} to evaluation {id}: {fault}"))
+    }
+}
+
 /// Reasons for a slot to return no result: nothing is known about the sample.
 #[derive(Debug, Error)]
 pub enum SlotError {
@@ -109,7 +124,7 @@ pub trait Slot: Send {
     /// Starts what the slot needs before its first sample, so that a simulator that cannot start is reported at once.
     ///
     /// # Errors
-    /// [`SimulatorError::Start`].
+    /// [`SimulatorError`].
     fn start(&mut self) -> Result<(), SimulatorError> {
         Ok(())
     }

@@ -10,11 +10,9 @@
 //! # Source
 //! See [`crate::umbridge`].
 
-use super::cycle_reply::ExpectedCycle;
-use super::cycle_request::{CycleLine, WornRadii};
-use super::error::SimulatorError;
+use super::cycle_reply::{CycleLine, ExpectedCycle, WornRadii};
 use super::reply::{Expected, NoResult, outcome, parse, shown};
-use super::slot::{SampleResult, Slot, SlotError, SlotRequest, StopSignal, WaitError};
+use super::slot::{SampleResult, SimulatorError, Slot, SlotError, SlotRequest, StopSignal, WaitError};
 use crate::failure::SimulationFailure;
 use crate::scene::{Gives, Scene, UmBridgeModel};
 use crate::umbridge as protocol;
@@ -41,6 +39,11 @@ const REFUSALS: [&str; 4] = [
     protocol::UNSUPPORTED_FEATURE,
 ];
 
+/// The error of a model that does not fit the scene.
+fn unfit(fault: String) -> SimulatorError {
+    SimulatorError::of_key("model", fault)
+}
+
 /// Client of a server whose model fits the scene.
 #[derive(Debug)]
 pub struct UmBridgeClient {
@@ -55,6 +58,11 @@ pub struct UmBridgeClient {
     expected: Expected,
     input_sizes: Vec<usize>,
     output_sizes: Vec<usize>,
+}
+
+/// The error of an address that cannot be reached, or whose reply is no UM-Bridge reply, for this reason.
+fn unanswered(url: &str, reason: String) -> SimulatorError {
+    SimulatorError::of_key("umbridge", format!("{url}: {reason}"))
 }
 
 /// Status and body of an HTTP reply.
@@ -91,48 +99,57 @@ impl UmBridgeClient {
             input_sizes: vec![],
             output_sizes: vec![],
         };
-        let url = || model.url.clone();
+        let (url, name) = (&model.url, &model.model);
         let info: protocol::Info = client.query("Info", None)?;
-        if info.protocol_version != protocol::PROTOCOL_VERSION {
-            let (found, expected) = (info.protocol_version, protocol::PROTOCOL_VERSION);
-            return Err(SimulatorError::Version { url: url(), found, expected });
+        let (found, expected) = (info.protocol_version, protocol::PROTOCOL_VERSION);
+        if found != expected {
+            let fault = format!("{url} uses version {found} of the protocol, expected {expected}");
+            return Err(SimulatorError::of_key("umbridge", fault));
         }
-        let name = &model.model;
         if !info.models.contains(name) {
-            return Err(SimulatorError::NoModel { url: url(), model: name.clone(), known: info.models });
+            let known = info.models.join(", ");
+            return Err(unfit(format!("{url} has no model \"{name}\"; it has: {known}")));
         }
         let about: protocol::ModelInfo = client.query("ModelInfo", Some(json!({ "name": name })))?;
         if !about.support.evaluate {
-            return Err(SimulatorError::NoEvaluation { url: url(), model: name.clone() });
+            return Err(unfit(format!("model \"{name}\" of {url} does not offer evaluations")));
         }
         let sizes = json!({ "name": name, "config": client.config_of(0) });
         let inputs: protocol::InputSizes = client.query("InputSizes", Some(sizes.clone()))?;
         let outputs: protocol::OutputSizes = client.query("OutputSizes", Some(sizes))?;
         let variables = client.expected.inputs.len();
-        if scene.simulator.as_ref().is_some_and(|simulator| simulator.gives != Gives::Life) {
-            let shapes = [inputs.input_sizes, outputs.output_sizes];
-            if let Some((sizes, expected)) = ExpectedCycle::from_scene(scene).misfit(variables, &shapes) {
-                return Err(SimulatorError::Vectors { model: name.clone(), sizes, expected });
-            }
-            [client.input_sizes, client.output_sizes] = shapes;
-            return Ok(client);
-        }
-        if inputs.input_sizes.iter().sum::<usize>() != variables {
-            let (model, sizes) = (name.clone(), inputs.input_sizes);
-            return Err(SimulatorError::Inputs { model, sizes, variables });
-        }
+        let shapes = [inputs.input_sizes, outputs.output_sizes];
+        let [taken, given] = shapes.each_ref().map(|sizes| sizes.iter().sum::<usize>());
         let lengths = client.expected.lengths();
-        if outputs.output_sizes.iter().sum::<usize>() != lengths.iter().sum::<usize>() {
-            let (model, sizes) = (name.clone(), outputs.output_sizes);
-            return Err(SimulatorError::Outputs { model, sizes, lengths });
+        let values = lengths.iter().sum::<usize>();
+        let gives_life = scene.simulator.as_ref().is_none_or(|simulator| simulator.gives == Gives::Life);
+        if !gives_life {
+            if let Some((sizes, expected)) = ExpectedCycle::from_scene(scene).misfit(variables, &shapes) {
+                return Err(client.other_vectors(&sizes, &expected));
+            }
+        } else if taken != variables {
+            return Err(unfit(format!(
+                "model \"{name}\" takes {taken} input values {:?}, the scene has {variables} variables",
+                shapes[0]
+            )));
+        } else if given != values {
+            return Err(unfit(format!(
+                "model \"{name}\" returns {given} output values {:?}, the outputs of the scene have {values} {lengths:?}",
+                shapes[1]
+            )));
         }
-        (client.input_sizes, client.output_sizes) = (inputs.input_sizes, outputs.output_sizes);
+        [client.input_sizes, client.output_sizes] = shapes;
         Ok(client)
+    }
+
+    /// The error of a model whose vectors are not those of the scene.
+    fn other_vectors(&self, sizes: &[usize], expected: &str) -> SimulatorError {
+        unfit(format!("model \"{}\" has vectors of {sizes:?} values, expected {expected}", self.model.model))
     }
 
     /// Queries name, sizes or support of the model.
     fn query<T: DeserializeOwned>(&self, path: &str, body: Option<Value>) -> Result<T, SimulatorError> {
-        let wrong = |reason| SimulatorError::Server { url: format!("{}/{path}", self.model.url), reason };
+        let wrong = |reason| unanswered(&format!("{}/{path}", self.model.url), reason);
         let reply = self.send(path, body.as_ref(), INFO_TIMEOUT).map_err(|none| match none {
             HttpError::TimedOut => wrong(format!("no reply within {} s", INFO_TIMEOUT.as_secs())),
             HttpError::Failed(reason) => wrong(reason),
@@ -180,36 +197,30 @@ impl UmBridgeClient {
     /// Body of an evaluation request with this configuration: the `values` cut into the model's input vectors.
     fn body(&self, config: &Value, values: &[f64]) -> Value {
         let mut rest = values;
-        let input: Vec<&[f64]> = self
-            .input_sizes
-            .iter()
-            .map(|size| {
-                let (vector, after) = rest.split_at(*size);
-                rest = after;
-                vector
-            })
-            .collect();
+        let mut cut = |size: &usize| {
+            let (vector, after) = rest.split_at(*size);
+            rest = after;
+            vector
+        };
+        let input: Vec<&[f64]> = self.input_sizes.iter().map(&mut cut).collect();
         json!({ "name": self.model.model, "input": input, "config": config })
     }
 
     /// Output vectors of a reply.
     fn vectors(&self, http: &HttpReply) -> Result<Vec<Vec<Value>>, NoResult> {
-        let reply = parse(&http.text)
-            .map_err(|_| format!("HTTP status {}: \"{}\"", http.status, shown(&http.text)))?;
+        let said = || shown(&http.text);
+        let reply = parse(&http.text).map_err(|_| format!("HTTP status {}: \"{}\"", http.status, said()))?;
         if let Ok(protocol::ErrorReply { error }) = serde_json::from_value(reply.clone()) {
             let message = format!("{}: {}", error.kind, error.message);
             let refused = REFUSALS.contains(&error.kind.as_str());
             return Err(if refused { message.into() } else { NoResult::reported(message) });
         }
         let protocol::Evaluated::<Value> { output } =
-            serde_json::from_value(reply).map_err(|_| format!("\"{}\"", shown(&http.text)))?;
+            serde_json::from_value(reply).map_err(|_| format!("\"{}\"", said()))?;
         let sizes: Vec<usize> = output.iter().map(Vec::len).collect();
         if sizes != self.output_sizes {
-            return Err(format!(
-                "it has vectors of {sizes:?} values, the model's are {:?}",
-                self.output_sizes
-            )
-            .into());
+            let expected = &self.output_sizes;
+            return Err(format!("it has vectors of {sizes:?} values, the model's are {expected:?}").into());
         }
         Ok(output)
     }
@@ -240,18 +251,8 @@ impl ModelSlot {
         thread.map_err(SlotError::Thread)?;
         stop.wait(&replies, Duration::MAX).map_err(|none| match none {
             WaitError::Stopped => SlotError::Stopped,
-            WaitError::Disconnected | WaitError::TimedOut => {
-                SlotError::ThreadEnded("the thread of a request")
-            }
+            _ => SlotError::ThreadEnded("the thread of a request"),
         })
-    }
-
-    fn pause(stop: &StopSignal) -> Result<(), SlotError> {
-        let (_sender, nothing) = channel::<()>();
-        match stop.wait(&nothing, PAUSE) {
-            Err(WaitError::Stopped) => Err(SlotError::Stopped),
-            _ => Ok(()),
-        }
     }
 
     /// What `read` makes of the output vectors for these `values` of the input vectors, one after another, in evaluation `id`.
@@ -274,12 +275,12 @@ impl ModelSlot {
                     return Ok(Err(SimulationFailure::TimedOut { seconds: self.client.seconds }));
                 }
                 Err(HttpError::Failed(reason)) if last => {
-                    return Err(SimulatorError::Server { url, reason }.into());
+                    return Err(unanswered(&url, reason).into());
                 }
-                Ok(reply) if reply.status >= 500 && parse(&reply.text).is_err() => {
+                Ok(HttpReply { status, text }) if status >= 500 && parse(&text).is_err() => {
                     if last {
-                        let text = reply.text.split_whitespace().collect::<Vec<_>>().join(" ");
-                        let message = format!("HTTP status {}: {}", reply.status, shown(&text));
+                        let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+                        let message = format!("HTTP status {status}: {}", shown(&text));
                         return Ok(Err(SimulationFailure::Reported { message }));
                     }
                 }
@@ -289,7 +290,10 @@ impl ModelSlot {
                 }
                 Err(HttpError::Failed(reason)) => tracing::debug!("{url}: {reason}"),
             }
-            Self::pause(stop)?;
+            let (_sender, nothing) = channel::<()>();
+            if stop.wait(&nothing, PAUSE) == Err(WaitError::Stopped) {
+                return Err(SlotError::Stopped);
+            }
         }
         unreachable!("the last attempt has returned")
     }
@@ -297,14 +301,14 @@ impl ModelSlot {
     /// The error of a reply that breaks the protocol.
     pub(super) fn broken(&self, id: u64, fault: String) -> SimulatorError {
         let UmBridgeModel { model, url, .. } = &self.client.model;
-        SimulatorError::Protocol { simulator: format!("model \"{model}\" of {url}"), id, fault }
+        SimulatorError::of_reply(&format!("model \"{model}\" of {url}"), id, &fault)
     }
 
     /// The cycle that `read` makes of a reply, and the reply as an object of JSON, for the values of the inputs and the surfaces of
     /// a request. Its keys other than `sample` and `joints` are added to the configuration.
     ///
     /// # Errors
-    /// As [`Slot::evaluate`]; [`SimulatorError::Vectors`] for surfaces of other numbers of control points than the model takes.
+    /// As [`Slot::evaluate`]; [`SimulatorError`] for surfaces of other numbers of control points than the model takes.
     pub(super) fn ask_cycle<T>(
         &self,
         (id, request): (u64, &CycleLine),
@@ -319,22 +323,14 @@ impl ModelSlot {
         let vectors: Vec<&[f64]> = std::iter::once(request.sample.values).chain(surfaces).collect();
         let sizes: Vec<usize> = vectors.iter().map(|vector| vector.len()).collect();
         if sizes != self.client.input_sizes {
-            let (model, expected) =
-                (self.client.model.model.clone(), format!("{sizes:?} by the control points"));
-            return Err(
-                SimulatorError::Vectors { model, sizes: self.client.input_sizes.clone(), expected }.into()
-            );
+            let expected = format!("{sizes:?} by the control points");
+            return Err(self.client.other_vectors(&self.client.input_sizes, &expected).into());
         }
         let mut config = self.client.config.clone();
-        let CycleLine { cycle, condition, accuracy, period, .. } = request;
-        for (key, value) in [
-            ("cycle", json!(cycle)),
-            ("condition", json!(condition)),
-            ("accuracy", json!(accuracy)),
-            ("period", json!(period)),
-        ] {
-            config[key] = value;
-        }
+        config["cycle"] = json!(request.cycle);
+        config["condition"] = json!(request.condition);
+        config["accuracy"] = json!(request.accuracy);
+        config["period"] = json!(request.period);
         self.ask(id, (&config, &vectors.concat()), stop, |vectors| {
             let reply = expected.object_of(vectors);
             Ok((read(&reply)?, Value::Object(reply).to_string()))

@@ -9,7 +9,7 @@
 
 use super::process::{LineError, Process};
 use super::slot::StopSignal;
-use crate::scene::{FileExchange, REQUEST_FILE};
+use crate::scene::{FileExchange, Program, REQUEST_FILE};
 use std::fs::File;
 use std::io::{Error, Read};
 use std::path::{Path, PathBuf};
@@ -25,88 +25,72 @@ const FOLDER: &str = "{folder}";
 /// Stands for the name of the level of accuracy in its arguments, if the scene has levels.
 const LEVEL: &str = "{level}";
 
-/// The program and its files.
-#[derive(Debug, Clone, Copy)]
-pub struct FileProgram<'a> {
-    /// Program and arguments; `{folder}` in an argument stands for the folder.
-    pub command: &'a [String],
-    /// The folder with the files and templates.
-    pub folder: &'a Path,
-    /// Names of the files.
-    pub exchange: &'a FileExchange,
+/// Checks that the files of a program exist and its templates name inputs only.
+///
+/// # Errors
+/// The first file that cannot be used, with its name.
+pub fn check(program: &Program, exchange: &FileExchange, names: &[String]) -> Result<(), Error> {
+    let folder = Path::new(&program.folder);
+    for name in &exchange.templates {
+        filled_template(folder, name, names, &vec![0.0; names.len()])?;
+    }
+    exchange.files.iter().try_for_each(|name| check_file(folder, name))
 }
 
-impl FileProgram<'_> {
-    /// Checks that the files exist and the templates name inputs only.
-    ///
-    /// # Errors
-    /// The first file that cannot be used, with its name.
-    pub fn check(&self, names: &[String]) -> Result<(), Error> {
-        for name in &self.exchange.templates {
-            let text = std::fs::read_to_string(self.folder.join(name)).map_err(|e| in_file(name, &e))?;
-            fill(&text, names, &vec![0.0; names.len()]).map_err(|unknown| in_file(name, &unknown))?;
-        }
-        for name in &self.exchange.files {
-            check_file(self.folder, name)?;
-        }
-        Ok(())
+/// Runs a program, in whose arguments `{folder}` stands for its folder, for the values `(d,)` of its inputs by their names `(d,)`, which the
+/// `request` has as JSON, at a level; the text of its results. A program that ends with status 0 and without results counts as ended.
+///
+/// # Errors
+/// A file of the scene cannot be used, or the program cannot be started.
+pub fn run(
+    (program, exchange): (&Program, &FileExchange),
+    (names, values): (&[String], &[f64]),
+    (level, request): (Option<&str>, &str),
+    timeout: Duration,
+    stop: &StopSignal,
+) -> Result<Result<String, LineError>, Error> {
+    let (folder, from) = (WorkingFolder::create()?, Path::new(&program.folder));
+    for name in &exchange.files {
+        let copied = folder.place(name).and_then(|to| std::fs::copy(from.join(name), to));
+        copied.map_err(|error| in_file(name, &error))?;
     }
+    for name in &exchange.templates {
+        let filled = filled_template(from, name, names, values)?;
+        folder.place(name).and_then(|to| std::fs::write(to, filled)).map_err(|e| in_file(name, &e))?;
+    }
+    std::fs::write(folder.0.join(REQUEST_FILE), request)?;
+    let place = from.canonicalize().unwrap_or_else(|_| from.to_path_buf());
+    let mut command = program.command.clone();
+    for argument in &mut command[1..] {
+        *argument = argument.replace(FOLDER, &place.display().to_string());
+        if let Some(level) = level {
+            *argument = argument.replace(LEVEL, level);
+        }
+    }
+    let mut process = Process::start(&command, &place, &folder.0, stop.contact)?;
+    let results = process.complete(timeout, stop).and_then(|()| {
+        read_results(&folder.0.join(&exchange.results)).map_err(|reason| LineError::Ended {
+            status: format!("exit status: 0 and no {} ({reason})", exchange.results),
+            stderr: process.last_lines(),
+        })
+    });
+    // Before its folder is removed.
+    process.kill();
+    Ok(results)
+}
 
-    /// Runs the program for the values `(d,)` of its inputs by their names `(d,)`, which the `request` has as JSON, at a level; the text of its results. A program that ends with status 0 and without results counts as ended.
-    ///
-    /// # Errors
-    /// A file of the scene cannot be used, or the program cannot be started.
-    pub fn run(
-        &self,
-        (names, values): (&[String], &[f64]),
-        (level, request): (Option<&str>, &str),
-        timeout: Duration,
-        stop: &StopSignal,
-    ) -> Result<Result<String, LineError>, Error> {
-        let folder = WorkingFolder::create()?;
-        self.fill(&folder, names, values)?;
-        std::fs::write(folder.0.join(REQUEST_FILE), request)?;
-        let place = self.folder.canonicalize().unwrap_or_else(|_| self.folder.to_path_buf());
-        let mut command = self.command.to_vec();
-        for argument in &mut command[1..] {
-            *argument = argument.replace(FOLDER, &place.display().to_string());
-            if let Some(level) = level {
-                *argument = argument.replace(LEVEL, level);
-            }
-        }
-        let mut process = Process::start(&command, &place, &folder.0, stop.contact())?;
-        let results = process.complete(timeout, stop).and_then(|()| {
-            self.results(&folder).map_err(|reason| LineError::Ended {
-                status: format!("exit status: 0 and no {} ({reason})", self.exchange.results),
-                stderr: process.last_lines(),
-            })
-        });
-        // Before its folder is removed.
-        process.kill();
-        Ok(results)
-    }
+/// The text of a template in `folder` with these values.
+fn filled_template(folder: &Path, name: &str, names: &[String], values: &[f64]) -> Result<String, Error> {
+    let text = std::fs::read_to_string(folder.join(name)).map_err(|e| in_file(name, &e))?;
+    fill(&text, names, values).map_err(|unknown| in_file(name, &unknown))
+}
 
-    fn fill(&self, folder: &WorkingFolder, names: &[String], values: &[f64]) -> Result<(), Error> {
-        for name in &self.exchange.files {
-            let copied = folder.place(name).and_then(|to| std::fs::copy(self.folder.join(name), to));
-            copied.map_err(|error| in_file(name, &error))?;
-        }
-        for name in &self.exchange.templates {
-            let text = std::fs::read_to_string(self.folder.join(name)).map_err(|e| in_file(name, &e))?;
-            let filled = fill(&text, names, values).map_err(|e| in_file(name, &e))?;
-            folder.place(name).and_then(|to| std::fs::write(to, filled)).map_err(|e| in_file(name, &e))?;
-        }
-        Ok(())
+fn read_results(path: &Path) -> Result<String, Error> {
+    let mut text = String::new();
+    if File::open(path)?.take(LARGEST_RESULTS + 1).read_to_string(&mut text)? as u64 > LARGEST_RESULTS {
+        return Err(Error::other(format!("more than {LARGEST_RESULTS} bytes")));
     }
-
-    fn results(&self, folder: &WorkingFolder) -> Result<String, Error> {
-        let file = File::open(folder.0.join(&self.exchange.results))?;
-        let mut text = String::new();
-        if file.take(LARGEST_RESULTS + 1).read_to_string(&mut text)? as u64 > LARGEST_RESULTS {
-            return Err(Error::other(format!("more than {LARGEST_RESULTS} bytes")));
-        }
-        Ok(text)
-    }
+    Ok(text)
 }
 
 /// Checks that a folder has a file.

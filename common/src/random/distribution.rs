@@ -22,18 +22,8 @@ mod truncated_normal;
 mod uniform;
 mod weibull;
 
-pub use beta::Beta;
-pub use constant::Constant;
-pub use empirical::Empirical;
-pub use exponential::Exponential;
-pub use gumbel::{Extreme, Gumbel};
+pub use gumbel::Extreme;
 pub use law::{FitError, Law, LawError};
-pub use lognormal::Lognormal;
-pub use normal::Normal;
-pub use triangular::Triangular;
-pub use truncated_normal::TruncatedNormal;
-pub use uniform::Uniform;
-pub use weibull::Weibull;
 
 use serde::{Deserialize, Serialize};
 use std::ops::Deref;
@@ -55,27 +45,27 @@ use std::ops::Deref;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Distribution {
     /// A normal distribution, the parent, restricted to an interval.
-    TruncatedNormal(TruncatedNormal),
+    TruncatedNormal(truncated_normal::TruncatedNormal),
     /// Normal, without bounds.
-    Normal(Normal),
+    Normal(normal::Normal),
     /// The logarithm of the variable is normal.
-    Lognormal(Lognormal),
+    Lognormal(lognormal::Lognormal),
     /// Constant density between two bounds.
-    Uniform(Uniform),
+    Uniform(uniform::Uniform),
     /// Extreme value distribution of type I, of maxima or of minima.
-    Gumbel(Gumbel),
+    Gumbel(gumbel::Gumbel),
     /// Extreme value distribution of minima that are bounded by zero, with two parameters.
-    Weibull(Weibull),
+    Weibull(weibull::Weibull),
     /// Exponential, shifted to begin at a lower bound.
-    Exponential(Exponential),
+    Exponential(exponential::Exponential),
     /// Beta between two bounds.
-    Beta(Beta),
+    Beta(beta::Beta),
     /// Density that rises linearly to the mode and falls linearly from it.
-    Triangular(Triangular),
+    Triangular(triangular::Triangular),
     /// One value with probability one: a variable held fixed.
-    Constant(Constant),
+    Constant(constant::Constant),
     /// Measured values, with straight lines between them.
-    Empirical(Empirical),
+    Empirical(empirical::Empirical),
 }
 
 /// Constructors. Arguments are in the unit of the variable.
@@ -86,67 +76,67 @@ pub enum Distribution {
 impl Distribution {
     /// A normal parent with `mean` and `std`, cut to [lower, upper]; the mean lies strictly between the bounds.
     pub fn truncated_normal(mean: f64, std: f64, lower: f64, upper: f64) -> Result<Self, LawError> {
-        TruncatedNormal::new(mean, std, lower, upper).map(Self::TruncatedNormal)
+        truncated_normal::TruncatedNormal::new(mean, std, lower, upper).map(Self::TruncatedNormal)
     }
 
     /// Normal with `mean` and `std`.
     pub fn normal(mean: f64, std: f64) -> Result<Self, LawError> {
-        Normal::new(mean, std).map(Self::Normal)
+        normal::Normal::new(mean, std).map(Self::Normal)
     }
 
     /// Lognormal with the `mean` > 0 and `std` of the variable, not of its logarithm.
     pub fn lognormal(mean: f64, std: f64) -> Result<Self, LawError> {
-        Lognormal::new(mean, std).map(Self::Lognormal)
+        lognormal::Lognormal::new(mean, std).map(Self::Lognormal)
     }
 
     /// Uniform between `lower` and `upper`.
     pub fn uniform(lower: f64, upper: f64) -> Result<Self, LawError> {
-        Uniform::new(lower, upper).map(Self::Uniform)
+        uniform::Uniform::new(lower, upper).map(Self::Uniform)
     }
 
     /// Uniform between mean - sqrt(3) std and mean + sqrt(3) std.
     pub fn uniform_by_moments(mean: f64, std: f64) -> Result<Self, LawError> {
-        Uniform::by_moments(mean, std).map(Self::Uniform)
+        uniform::Uniform::by_moments(mean, std).map(Self::Uniform)
     }
 
     /// Gumbel of maxima or of minima with `mean` and `std`.
     pub fn gumbel(mean: f64, std: f64, extreme: Extreme) -> Result<Self, LawError> {
-        Gumbel::new(mean, std, extreme).map(Self::Gumbel)
+        gumbel::Gumbel::new(mean, std, extreme).map(Self::Gumbel)
     }
 
     /// Weibull of minima, from zero on; mean > 0, 0.001 < std / mean < 10.
     pub fn weibull(mean: f64, std: f64) -> Result<Self, LawError> {
-        Weibull::new(mean, std).map(Self::Weibull)
+        weibull::Weibull::new(mean, std).map(Self::Weibull)
     }
 
     /// Exponential from mean - std on.
     pub fn exponential(mean: f64, std: f64) -> Result<Self, LawError> {
-        Exponential::by_moments(mean, std).map(Self::Exponential)
+        exponential::Exponential::by_moments(mean, std).map(Self::Exponential)
     }
 
     /// Exponential from `lower` on; its standard deviation is mean - lower.
     pub fn exponential_from(lower: f64, mean: f64) -> Result<Self, LawError> {
-        Exponential::by_lower(mean, lower).map(Self::Exponential)
+        exponential::Exponential::by_lower(mean, lower).map(Self::Exponential)
     }
 
     /// Beta on [lower, upper]; `std` such that both shape parameters lie between 0.05 and 10000.
     pub fn beta(mean: f64, std: f64, lower: f64, upper: f64) -> Result<Self, LawError> {
-        Beta::new(mean, std, lower, upper).map(Self::Beta)
+        beta::Beta::new(mean, std, lower, upper).map(Self::Beta)
     }
 
     /// Triangular; lower <= mode <= upper.
     pub fn triangular(lower: f64, mode: f64, upper: f64) -> Result<Self, LawError> {
-        Triangular::new(lower, mode, upper).map(Self::Triangular)
+        triangular::Triangular::new(lower, mode, upper).map(Self::Triangular)
     }
 
     /// The finite `value` with probability one.
     pub fn constant(value: f64) -> Result<Self, LawError> {
-        Constant::new(value).map(Self::Constant)
+        constant::Constant::new(value).map(Self::Constant)
     }
 
     /// The empirical distribution of measured values `(n,)`; at least three, of which two differ.
     pub fn empirical(samples: &[f64]) -> Result<Self, FitError> {
-        Empirical::new(samples).map(Self::Empirical)
+        empirical::Empirical::new(samples).map(Self::Empirical)
     }
 }
 
@@ -174,30 +164,28 @@ impl Deref for Distribution {
 impl Distribution {
     /// Its word in scenes and result files, e.g. `truncated-normal`.
     pub fn word(&self) -> &'static str {
-        match self {
-            Self::TruncatedNormal(_) => "truncated-normal",
-            Self::Normal(_) => "normal",
-            Self::Lognormal(_) => "lognormal",
-            Self::Uniform(_) => "uniform",
-            Self::Gumbel(Gumbel { extreme: Extreme::Maxima, .. }) => "gumbel",
-            Self::Gumbel(_) => "gumbel-minima",
-            Self::Weibull(_) => "weibull",
-            Self::Exponential(_) => "exponential",
-            Self::Beta(_) => "beta",
-            Self::Triangular(_) => "triangular",
-            Self::Constant(_) => "constant",
-            Self::Empirical(_) => "empirical",
-        }
+        self.words().0
     }
 
     /// The name of the distribution for people, e.g. `truncated normal`.
     pub fn name(&self) -> &'static str {
-        match self.word() {
-            "truncated-normal" => "truncated normal",
-            "gumbel" => "Gumbel",
-            "gumbel-minima" => "Gumbel of minima",
-            "weibull" => "Weibull",
-            word => word,
+        self.words().1
+    }
+
+    fn words(&self) -> (&'static str, &'static str) {
+        match self {
+            Self::TruncatedNormal(_) => ("truncated-normal", "truncated normal"),
+            Self::Normal(_) => ("normal", "normal"),
+            Self::Lognormal(_) => ("lognormal", "lognormal"),
+            Self::Uniform(_) => ("uniform", "uniform"),
+            Self::Gumbel(law) if law.extreme == Extreme::Maxima => ("gumbel", "Gumbel"),
+            Self::Gumbel(_) => ("gumbel-minima", "Gumbel of minima"),
+            Self::Weibull(_) => ("weibull", "Weibull"),
+            Self::Exponential(_) => ("exponential", "exponential"),
+            Self::Beta(_) => ("beta", "beta"),
+            Self::Triangular(_) => ("triangular", "triangular"),
+            Self::Constant(_) => ("constant", "constant"),
+            Self::Empirical(_) => ("empirical", "empirical"),
         }
     }
 

@@ -44,26 +44,19 @@ pub struct LocationScale {
 }
 
 impl Family {
-    /// Every family, in the order of messages.
-    pub const ALL: [Self; 6] = [
-        Self::Normal,
-        Self::Lognormal,
-        Self::Weibull,
-        Self::Gumbel(Extreme::Maxima),
-        Self::Gumbel(Extreme::Minima),
-        Self::Exponential,
+    /// Every family by the word of a scene for it, in the order of messages.
+    pub const WORDS: [(&'static str, Self); 6] = [
+        ("normal", Self::Normal),
+        ("lognormal", Self::Lognormal),
+        ("weibull", Self::Weibull),
+        ("gumbel", Self::Gumbel(Extreme::Maxima)),
+        ("gumbel-minima", Self::Gumbel(Extreme::Minima)),
+        ("exponential", Self::Exponential),
     ];
 
     /// The word of a scene for it.
     pub fn word(self) -> &'static str {
-        match self {
-            Self::Normal => "normal",
-            Self::Lognormal => "lognormal",
-            Self::Weibull => "weibull",
-            Self::Gumbel(Extreme::Maxima) => "gumbel",
-            Self::Gumbel(Extreme::Minima) => "gumbel-minima",
-            Self::Exponential => "exponential",
-        }
+        Self::WORDS.iter().find(|(_, family)| *family == self).map_or("", |(word, _)| word)
     }
 
     /// The distribution of this family with the largest likelihood of the samples `(n,)`.
@@ -97,11 +90,8 @@ impl Family {
             Self::Gumbel(extreme) => {
                 let mean = location + EULER_GAMMA * scale;
                 let gumbel_std = std::f64::consts::PI / 6.0_f64.sqrt() * scale;
-                Distribution::gumbel(
-                    if extreme == Extreme::Maxima { mean } else { -mean },
-                    gumbel_std,
-                    extreme,
-                )
+                let mean = if extreme == Extreme::Maxima { mean } else { -mean };
+                Distribution::gumbel(mean, gumbel_std, extreme)
             }
             Self::Exponential => Distribution::exponential_from(0.0, scale),
         }?)

@@ -56,21 +56,16 @@ const FINE_SIZES: [f64; 22] = [
 ];
 
 /// Lower deviations of r and s [um].
-const FAR_ABOVE: [(&str, [f64; 22]); 2] = [
-    (
-        "r",
-        [
-            10.0, 15.0, 19.0, 23.0, 28.0, 34.0, 41.0, 43.0, 51.0, 54.0, 63.0, 65.0, 68.0, 77.0, 80.0, 84.0,
-            94.0, 98.0, 108.0, 114.0, 126.0, 132.0,
-        ],
-    ),
-    (
-        "s",
-        [
-            14.0, 19.0, 23.0, 28.0, 35.0, 43.0, 53.0, 59.0, 71.0, 79.0, 92.0, 100.0, 108.0, 122.0, 130.0,
-            140.0, 158.0, 170.0, 190.0, 208.0, 232.0, 252.0,
-        ],
-    ),
+const FAR_ABOVE: [(&str, [f64; 22]); 2] = [("r", R), ("s", S)];
+/// Those of r [um].
+const R: [f64; 22] = [
+    10.0, 15.0, 19.0, 23.0, 28.0, 34.0, 41.0, 43.0, 51.0, 54.0, 63.0, 65.0, 68.0, 77.0, 80.0, 84.0, 94.0,
+    98.0, 108.0, 114.0, 126.0, 132.0,
+];
+/// Those of s [um].
+const S: [f64; 22] = [
+    14.0, 19.0, 23.0, 28.0, 35.0, 43.0, 53.0, 59.0, 71.0, 79.0, 92.0, 100.0, 108.0, 122.0, 130.0, 140.0,
+    158.0, 170.0, 190.0, 208.0, 232.0, 252.0,
 ];
 
 /// Letters of holes.
@@ -106,20 +101,12 @@ pub enum ToleranceError {
     /// A diameter outside the tables. Holds the nominal diameter [mm].
     #[error("a diameter of {0} mm is outside the tables, allowed: > 0 and <= 500 mm")]
     Diameter(f64),
-    /// A fit whose shaft may be as large as its hole.
+    /// A fit whose shaft may be as large as its hole. Holds the fit as written, the nominal diameter [mm], and the mean and three standard
+    /// deviations of the diametral clearance [um].
     #[error(
-        "{fit} at {diameter} mm has a clearance of {mean:.1} +- {three_std:.1} um (three standard deviations): the shaft may be larger than the hole; use a looser fit, e.g. H7/e8"
+        "{0} at {1} mm has a clearance of {2:.1} +- {3:.1} um (three standard deviations): the shaft may be larger than the hole; use a looser fit, e.g. H7/e8"
     )]
-    NoClearance {
-        /// The fit as written.
-        fit: String,
-        /// Nominal diameter [mm].
-        diameter: f64,
-        /// Mean diametral clearance [um].
-        mean: f64,
-        /// Three standard deviations of the diametral clearance [um].
-        three_std: f64,
-    },
+    NoClearance(String, f64, f64, f64),
 }
 
 /// A tolerance class, e.g. `H7`.
@@ -233,12 +220,9 @@ impl Fit {
         let (shaft, shaft_std) = self.shaft.moments(diameter, capability)?;
         let (mean, std) = (hole - shaft, hole_std.hypot(shaft_std));
         if mean - 3.0 * std <= 0.0 {
-            return Err(ToleranceError::NoClearance {
-                fit: self.written.clone(),
-                diameter: diameter * MILLI,
-                mean: mean * MICRO,
-                three_std: 3.0 * std * MICRO,
-            });
+            let fit = self.written.clone();
+            let (diameter, spread) = (diameter * MILLI, 3.0 * std * MICRO);
+            return Err(ToleranceError::NoClearance(fit, diameter, mean * MICRO, spread));
         }
         Ok((mean, std))
     }

@@ -37,46 +37,26 @@ fn driven(row: &mut Section, points: &[Point], materials: &[MaterialRow]) -> Opt
     })
 }
 
-/// A quantity that the shape of the body gives unless it is written.
-fn or_of_shape(row: &mut Section, key: &'static str, kind: Kind, of_shape: Option<f64>) -> Option<f64> {
-    match of_shape {
-        Some(value) => row.quantity_or(key, kind, Range::Positive, value),
-        None => row.quantity(key, kind, Range::Positive),
-    }
-}
-
 /// A body is driven at a speed, constant or by a table, or at an angle by a table.
 fn drive(row: &mut Section) -> Option<Drive> {
-    let (speed, angle) = (row.get("speed"), row.get("angle"));
+    let expected = || format!("{}, or a table of it, or angle, a table", ANGULAR_VELOCITY.in_words());
+    let key = row.either(["speed", "angle"], expected);
     let start = row.get("start_angle");
-    match (speed, angle) {
-        (Some(speed), None) => {
-            let start_angle = row.quantity_or("start_angle", ANGLE, Range::Any, 0.0);
-            if speed.is_table() {
-                let table = over_time(row, "speed", ANGULAR_VELOCITY, Repetition::Closed);
-                return Some(Drive::Speed { start_angle: start_angle?, table: table? });
-            }
-            let speed = row.quantity("speed", ANGULAR_VELOCITY, Range::NotZero);
-            Some(Drive::ConstantSpeed { start_angle: start_angle?, speed: speed? })
+    if key? == "angle" {
+        let table = over_time(row, "angle", ANGLE, Repetition::GoesOn);
+        if start.is_some() {
+            let message = "belongs to speed; the start is the first value of the table of angles";
+            row.inconsistent("start_angle", message);
         }
-        (None, Some(_)) => {
-            let table = over_time(row, "angle", ANGLE, Repetition::GoesOn);
-            if start.is_some() {
-                let message = "belongs to speed; the start is the first value of the table of angles";
-                row.inconsistent("start_angle", message);
-            }
-            table.map(Drive::Angle)
-        }
-        (Some(_), Some(_)) => {
-            row.inconsistent_table("give either speed or angle, not both");
-            None
-        }
-        (None, None) => {
-            let expected = format!("{}, or a table of it, or angle, a table", ANGULAR_VELOCITY.in_words());
-            row.missing("speed", expected);
-            None
-        }
+        return table.map(Drive::Angle);
     }
+    let start_angle = row.quantity_or("start_angle", ANGLE, Range::Any, 0.0);
+    if row.get("speed").is_some_and(toml::Value::is_table) {
+        let table = over_time(row, "speed", ANGULAR_VELOCITY, Repetition::Closed);
+        return Some(Drive::Speed { start_angle: start_angle?, table: table? });
+    }
+    let speed = row.quantity("speed", ANGULAR_VELOCITY, Range::NotZero);
+    Some(Drive::ConstantSpeed { start_angle: start_angle?, speed: speed? })
 }
 
 /// Mass and moment of inertia of a driven body, or its shape: both or neither.
@@ -92,8 +72,8 @@ fn driven_inertia(
     let shape = row.if_any("shape", |row, _| shape(row, points, materials))?;
     let centre = shape.map_or([0.0; 2], |shape| shape.centre_of_mass);
     let inertia = record!(MassProperties {
-        mass: or_of_shape(row, "mass", MASS, shape.map(|shape| shape.mass)),
-        inertia: or_of_shape(row, "inertia", INERTIA, shape.map(|shape| shape.inertia)),
+        mass: row.quantity_unless("mass", MASS, Range::Positive, shape.map(|shape| shape.mass)),
+        inertia: row.quantity_unless("inertia", INERTIA, Range::Positive, shape.map(|shape| shape.inertia)),
         centre_of_mass: row.pair_or("centre_of_mass", LENGTH, centre),
     });
     inertia.map(Some)
@@ -106,8 +86,8 @@ fn free(row: &mut Section, points: &[Point], materials: &[MaterialRow]) -> Optio
         Some(shape) => shape,
     };
     record!(Motion::Free {
-        mass: or_of_shape(row, "mass", MASS, shape.map(|shape| shape.mass)),
-        inertia: or_of_shape(row, "inertia", INERTIA, shape.map(|shape| shape.inertia)),
+        mass: row.quantity_unless("mass", MASS, Range::Positive, shape.map(|shape| shape.mass)),
+        inertia: row.quantity_unless("inertia", INERTIA, Range::Positive, shape.map(|shape| shape.inertia)),
         centre_of_mass: match shape {
             Some(shape) => row.pair_or("centre_of_mass", LENGTH, shape.centre_of_mass),
             None => row.pair("centre_of_mass", LENGTH),

@@ -18,16 +18,12 @@ macro_rules! choice {
 
             /// Its word in a scene.
             pub fn word(self) -> &'static str {
-                match self {
-                    $(Self::$Variant => $word,)*
-                }
+                Self::WORDS[self as usize].0
             }
 
             /// What it is, in words.
             pub fn explanation(self) -> &'static str {
-                match self {
-                    $(Self::$Variant => $sentence,)*
-                }
+                [$($sentence),*][self as usize]
             }
         }
 

@@ -59,17 +59,16 @@ pub(super) fn clearance(
         contact_law: contact_law(row),
         contact_damping: contact_damping(row),
         film_damping: row.quantity_or("film_damping", DAMPING, Range::NonNegative, 0.0),
-        friction: if rubs {
-            row.quantity("friction", NUMBER, FRICTION)
-        } else {
-            row.quantity_or("friction", NUMBER, FRICTION, 0.0)
-        },
-        friction_speed: if rubs {
-            row.quantity("friction_speed", SPEED, Range::Positive)
-        } else {
-            row.quantity_or("friction_speed", SPEED, Range::Positive, 1.0)
-        },
-        wear_coefficient: wear_coefficient(row, is_worn),
+        friction: row.quantity_unless("friction", NUMBER, FRICTION, (!rubs).then_some(0.0)),
+        friction_speed: row.quantity_unless("friction_speed", SPEED, Range::Positive, (!rubs).then_some(1.0)),
+        wear_coefficient: row
+            .quantity_unless(
+                "wear_coefficient",
+                INVERSE_PRESSURE,
+                Range::NonNegative,
+                (!is_worn).then_some(0.0)
+            )
+            .map(|coefficient| if is_worn { coefficient } else { 0.0 }),
         wears: surfaces(row),
         journal_wear_coefficient: second_coefficient(row, "journal_wear_coefficient", wears)
             .map(|coefficient| coefficient.filter(|_| is_worn)),
@@ -80,24 +79,15 @@ pub(super) fn clearance(
 
 /// Reads the law of the normal contact force.
 fn contact_law(row: &mut Section) -> Option<ContactLaw> {
-    let names = ContactLaw::ALL.map(ContactLaw::name).join(", ");
+    let names = ContactLaw::ALL.map(ContactLaw::word).join(", ");
     row.choice("contact_law", &format!("one of {names}"), &ContactLaw::WORDS)
-}
-
-/// Reads the wear coefficient, which a joint that does not wear need not have.
-fn wear_coefficient(row: &mut Section, is_worn: bool) -> Option<f64> {
-    match row.get("wear_coefficient") {
-        None if !is_worn => Some(0.0),
-        _ => row
-            .quantity("wear_coefficient", INVERSE_PRESSURE, Range::NonNegative)
-            .map(|coefficient| if is_worn { coefficient } else { 0.0 }),
-    }
 }
 
 /// Reads the surfaces that wear.
 fn surfaces(row: &mut Section) -> Option<WearingSurfaces> {
-    let words = WearingSurfaces::ALL.map(|surfaces| (surfaces.name(), surfaces));
-    let given = row.if_any("wears", |row, key| row.choice(key, "bushing, journal or both", &words))?;
+    let given = row.if_any("wears", |row, key| {
+        row.choice(key, "bushing, journal or both", &WearingSurfaces::OF_HINGE)
+    })?;
     Some(given.unwrap_or_default())
 }
 
@@ -107,8 +97,8 @@ fn bore_points(row: &mut Section) -> Option<ControlPoints> {
         Some(word) if word.as_str() == Some("auto") => Some(ControlPoints::ByArc),
         Some(word) if word.as_str().is_some() => {
             let (from, to) = (CONTROL_POINTS.start(), CONTROL_POINTS.end());
-            row.wrong_type("control_points", word, format!("a whole number {from} to {to}, or \"auto\""));
-            None
+            let expected = format!("a whole number {from} to {to}, or \"auto\"");
+            row.wrong_type("control_points", word, expected).and(None)
         }
         _ => control_points(row).map(ControlPoints::Number),
     }
@@ -129,39 +119,28 @@ pub(super) fn second_coefficient(
 ) -> Option<Option<f64>> {
     let found = row.quantity_if_any(key, INVERSE_PRESSURE, Range::NonNegative);
     if row.get(key).is_some() && surfaces.is_some_and(|surfaces| surfaces != WearingSurfaces::Both) {
-        row.inconsistent(key, "needs wears = \"both\"; a single surface that wears has wear_coefficient");
-        return None;
+        let message = "needs wears = \"both\"; a single surface that wears has wear_coefficient";
+        return row.inconsistent(key, message).and(None);
     }
     found
 }
 
 /// The bushing is given by its radius or by the clearance it leaves to its journal.
 fn bushing_radius(row: &mut Section, journal_radius: Option<f64>) -> Option<f64> {
-    if row.get("radial_clearance").is_some() {
-        if row.get("bushing_radius").is_some() {
-            row.inconsistent_table("give either bushing_radius or radial_clearance, not both");
-            return None;
-        }
-        let clearance = row.quantity("radial_clearance", LENGTH, Range::Positive)?;
-        let journal_radius = journal_radius?;
-        if clearance < journal_radius {
-            return Some(journal_radius + clearance);
-        }
-        let allowed = format!("smaller than journal_radius = {}", in_first_unit(journal_radius, LENGTH));
-        row.refuse("radial_clearance", clearance, LENGTH, allowed);
-        return None;
+    let by_clearance = row.get("radial_clearance").is_some();
+    if by_clearance && row.get("bushing_radius").is_some() {
+        return row.inconsistent_table("give either bushing_radius or radial_clearance, not both").and(None);
     }
-    let radius = row.quantity("bushing_radius", LENGTH, Range::Positive)?;
-    let journal_radius = journal_radius?;
-    if radius > journal_radius && radius < 2.0 * journal_radius {
-        return Some(radius);
-    }
-    let allowed = format!(
-        "larger than the journal and below twice that, journal_radius = {}",
-        in_first_unit(journal_radius, LENGTH)
-    );
-    row.refuse("bushing_radius", radius, LENGTH, allowed);
-    None
+    let key = if by_clearance { "radial_clearance" } else { "bushing_radius" };
+    let (given, journal) = (row.quantity(key, LENGTH, Range::Positive)?, journal_radius?);
+    let allowed = match by_clearance {
+        true if given < journal => return Some(journal + given),
+        true => "smaller than",
+        false if given > journal && given < 2.0 * journal => return Some(given),
+        false => "larger than the journal and below twice that,",
+    };
+    let allowed = format!("{allowed} journal_radius = {}", in_first_unit(journal, LENGTH));
+    row.refuse(key, given, LENGTH, allowed).and(None)
 }
 
 /// Reads the name of a material under `key`.
@@ -181,29 +160,19 @@ pub(super) fn contact_damping(row: &mut Section) -> Option<ContactDamping> {
         }
         Some(toml::Value::Table(_)) => {
             let mut damping = row.section_if_any("contact_damping")?;
-            let found = match (damping.get("hunt_crossley"), damping.get("law")) {
-                (Some(_), None) => {
-                    let factor = damping.quantity("hunt_crossley", INVERSE_SPEED, Range::NonNegative);
-                    factor.map(|factor| ContactDamping::HuntCrossley { factor })
-                }
-                (None, Some(_)) => by_restitution(&mut damping),
-                (Some(_), Some(_)) => {
-                    damping.inconsistent_table("give either hunt_crossley or law, not both");
-                    return None;
-                }
-                (None, None) => {
-                    let expected = format!("{}, or law with restitution", INVERSE_SPEED.in_words());
-                    damping.missing("hunt_crossley", expected);
-                    None
-                }
+            let expected = || format!("{}, or law with restitution", INVERSE_SPEED.in_words());
+            let found = match damping.either(["hunt_crossley", "law"], expected) {
+                Some("law") => by_restitution(&mut damping),
+                Some(key) => record!(ContactDamping::HuntCrossley {
+                    factor: damping.quantity(key, INVERSE_SPEED, Range::NonNegative)
+                }),
+                None if damping.get("law").is_some() => return None,
+                None => None,
             };
             damping.finish();
             found
         }
-        Some(other) => {
-            row.wrong_type("contact_damping", other, EXPECTED.to_owned());
-            None
-        }
+        Some(other) => row.wrong_type("contact_damping", other, EXPECTED.to_owned()).and(None),
     }
 }
 
@@ -251,16 +220,17 @@ pub(super) fn guide(row: &mut Section, materials: &[MaterialRow]) -> Option<Guid
 
 /// Reads the wear of guide and slider; outer none if it is faulty, inner none without the key wears.
 fn wear(row: &mut Section) -> Option<Option<GuideWear>> {
-    let words = WearingSurfaces::ALL.map(|surfaces| (surfaces.guide_name(), surfaces));
     let keys = ["wear_coefficient", "slider_wear_coefficient", "control_points"];
     let given: Vec<&str> = keys.into_iter().filter(|key| row.get(key).is_some()).collect();
     if row.get("wears").is_none() {
         let needs = "needs wears = \"guide\", \"slider\" or \"both\": without it a guide does not wear";
-        given.iter().for_each(|key| row.inconsistent(key, needs));
+        for key in &given {
+            row.inconsistent(key, needs);
+        }
         return given.is_empty().then_some(None);
     }
     let wear = record!(GuideWear {
-        wears: row.choice("wears", "guide, slider or both", &words),
+        wears: row.choice("wears", "guide, slider or both", &WearingSurfaces::OF_GUIDE),
         coefficient: row.quantity("wear_coefficient", INVERSE_PRESSURE, Range::NonNegative),
         slider_coefficient: second_coefficient(row, "slider_wear_coefficient", wears),
         control_points: control_points(row),
@@ -276,8 +246,7 @@ fn guide_clearance(row: &mut Section, height: Option<f64>) -> Option<f64> {
         return Some(clearance);
     }
     let allowed = format!("smaller than height = {}", in_first_unit(height, LENGTH));
-    row.refuse("clearance", clearance, LENGTH, allowed);
-    None
+    row.refuse("clearance", clearance, LENGTH, allowed).and(None)
 }
 
 /// The ends of the guide, between which there is room for the slider.
@@ -289,6 +258,5 @@ fn reach(row: &mut Section, length: Option<f64>) -> Option<[f64; 2]> {
         return Some([start, end]);
     }
     let least = in_first_unit(length, LENGTH);
-    row.inconsistent("guide_end", format!("leaves no room for the slider, whose length is {least}"));
-    None
+    row.inconsistent("guide_end", format!("leaves no room for the slider, whose length is {least}")).and(None)
 }

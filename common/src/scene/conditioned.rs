@@ -42,12 +42,11 @@ pub(super) fn conditions(
         all.extend(changes.iter().map(|(key, value)| (key.clone(), *value)));
         match resolve(origin, document, &all, false) {
             // Random variables belong to the scene without the condition.
-            Err(Faults(wrong)) => faults.extend(
-                wrong
-                    .iter()
-                    .filter(|wrong| !wrong.key.starts_with("variables."))
-                    .map(|wrong| fault(&wrong.key, format!("{}: {}", wrong.key, wrong.kind))),
-            ),
+            Err(Faults(wrong)) => {
+                let of_condition = wrong.iter().filter(|wrong| !wrong.key.starts_with("variables."));
+                let message = |wrong: &Fault| format!("{}: {}", wrong.key, wrong.kind);
+                faults.extend(of_condition.map(|wrong| fault(&wrong.key, message(wrong))));
+            }
             Ok(Resolved { scene: under, seen, .. }) => {
                 let value =
                     |key: &&String| Some((key.strip_prefix(PARAMETERS)?.to_owned(), seen.get(*key)?.value));
@@ -63,8 +62,8 @@ pub(super) fn conditions(
                     faults.push(fault("", message));
                 }
                 if condition.scene.limit_states != scene.limit_states {
-                    faults
-                        .push(fault("", "changes a limit state, which holds for all conditions".to_owned()));
+                    let message = "changes a limit state, which holds for all conditions";
+                    faults.push(fault("", message.to_owned()));
                 }
                 found.push(condition);
             }

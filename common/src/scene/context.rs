@@ -1,20 +1,24 @@
 //! The state of one pass over a scene file: the faults found and the quantities read so far, by the path of their
 //! key, with the values that a random variable or a user sets in place of the written ones.
 //!
+//! Parameters are a part of it: which are defined, evaluated or under evaluation, and which of them something depends on.
+//!
 //! A faulty value is recorded and reading continues, so that one pass finds every fault. The readers see the file as
 //! `Section`s, which pass what they read to the context that they share.
 
-use super::expression::{ExpressionError, evaluate, read_unit};
-use super::faults::{Fault, FaultKind, in_first_unit};
-use super::parameters::{Lookup, Parameters, why_not_a_name};
-use super::quantity::{AngleUnit, Kind, NUMBER, Quantity};
+use super::expression::{ExpressionError, RESERVED, evaluate, read_unit};
+use super::faults::{Fault, FaultKind, in_first_unit, nearest};
+use super::quantity::{AngleUnit, Kind, NUMBER, Quantity, unit};
 use super::unit_advice::advised;
 use std::cell::RefCell;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use toml::{Table, Value};
 
 /// Values in SI by the path of their key.
 pub(super) type Overrides = BTreeMap<String, f64>;
+
+/// Nothing is overridden.
+pub(super) static NONE: Overrides = Overrides::new();
 
 /// Allowed range of a number in SI.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,6 +66,38 @@ impl Range {
     }
 }
 
+/// Longest chain of parameters, each defined by the next one.
+const CHAIN_LIMIT: usize = 64;
+
+/// The parameters of a scene, `[parameters]`: each is evaluated once, on its first use.
+#[derive(Default)]
+pub(super) struct Parameters<'s> {
+    /// The table `[parameters]`.
+    definitions: Option<&'s Table>,
+    /// Values of those evaluated so far; none for a faulty one.
+    values: BTreeMap<String, Option<Quantity>>,
+    /// Names of those under evaluation, each used in the definition of the one before it.
+    open: Vec<String>,
+    /// Names that other parts of the scene use.
+    used_directly: BTreeSet<String>,
+    /// Names that the definition of each parameter uses.
+    uses: BTreeMap<String, BTreeSet<String>>,
+}
+
+impl Parameters<'_> {
+    /// Parameters that the rest of the scene depends on, directly or through others.
+    pub(super) fn used(&self) -> BTreeSet<String> {
+        let mut used = BTreeSet::new();
+        let mut left: Vec<&String> = self.used_directly.iter().collect();
+        while let Some(name) = left.pop() {
+            if used.insert(name.clone()) {
+                left.extend(self.uses.get(name).into_iter().flatten());
+            }
+        }
+        used
+    }
+}
+
 /// The state of one pass over a scene.
 pub(super) struct Context<'s> {
     origin: &'s str,
@@ -83,14 +119,15 @@ impl<'s> Context<'s> {
         }
     }
 
-    /// Records a fault at the path of a key.
-    pub(super) fn fault(&self, key: impl Into<String>, kind: FaultKind) {
+    /// Records a fault at the path of a key; `None`, in the place of the value.
+    pub(super) fn fault(&self, key: impl Into<String>, kind: FaultKind) -> Option<()> {
         self.faults.borrow_mut().push(Fault::new(self.origin, key, kind));
+        None
     }
 
     /// Records that a value contradicts another one.
-    pub(super) fn inconsistent(&self, key: impl Into<String>, message: impl Into<String>) {
-        self.fault(key, message.into().into());
+    pub(super) fn inconsistent(&self, key: impl Into<String>, message: impl Into<String>) -> Option<()> {
+        self.fault(key, message.into().into())
     }
 
     /// Number of faults so far.
@@ -107,48 +144,55 @@ impl<'s> Context<'s> {
     pub(super) fn read_parameters(&self, table: &'s Table) {
         self.parameters.borrow_mut().definitions = Some(table);
         for name in table.keys() {
-            match why_not_a_name(name) {
+            let _ = match why_not_a_name(name) {
                 Some(reason) => {
-                    let (value, reason) = (name.clone(), reason.to_owned());
-                    self.fault(format!("parameters.{name}"), FaultKind::BadName { value, reason });
+                    self.fault(format!("parameters.{name}"), FaultKind::BadName(name.clone(), reason))
                 }
-                None => {
-                    let _ = self.evaluated(name);
-                }
-            }
+                None => self.evaluated(name).ok().map(drop),
+            };
         }
     }
 
-    /// The value of a parameter for the expression that names it.
+    /// The value of a parameter for the expression that names it, in the definition of the parameter under evaluation or else in the rest
+    /// of the scene.
     fn parameter(&self, name: &str) -> Result<Quantity, ExpressionError> {
-        self.parameters.borrow_mut().record_use(name);
+        let mut parameters = self.parameters.borrow_mut();
+        match parameters.open.last().cloned() {
+            Some(user) => parameters.uses.entry(user).or_default().insert(name.to_owned()),
+            None => parameters.used_directly.insert(name.to_owned()),
+        };
+        drop(parameters);
         self.evaluated(name)
     }
 
     fn evaluated(&self, name: &str) -> Result<Quantity, ExpressionError> {
+        let faulty = || ExpressionError::Broken(name.to_owned());
         let key = format!("parameters.{name}");
-        let found = self.parameters.borrow_mut().look_up(name);
-        let value = match found {
-            Lookup::Known(value) => value,
-            Lookup::Open(definition) => {
-                let value = self.value(&key, definition, None);
-                self.parameters.borrow_mut().close(value);
-                value
-            }
-            Lookup::Circular(chain) => {
-                self.inconsistent(
-                    key,
-                    format!(
-                        "depends on itself, or through too many others: {chain}; give one of them a value"
-                    ),
-                );
-                None
-            }
-            Lookup::Undefined(nearest) => {
-                return Err(ExpressionError::UnknownName { name: name.to_owned(), nearest });
-            }
+        let mut parameters = self.parameters.borrow_mut();
+        if let Some(known) = parameters.values.get(name) {
+            return known.ok_or_else(faulty);
+        }
+        let Some(definition) = parameters.definitions.and_then(|table| table.get(name)) else {
+            let names = parameters.definitions.into_iter().flat_map(Table::keys).map(String::as_str);
+            return Err(ExpressionError::UnknownName {
+                name: name.to_owned(),
+                nearest: nearest(name, names),
+            });
         };
-        value.ok_or_else(|| ExpressionError::Broken(name.to_owned()))
+        if parameters.open.iter().any(|open| open == name) || parameters.open.len() >= CHAIN_LIMIT {
+            let chain = parameters.open.join(" -> ");
+            let message =
+                format!("depends on itself, or through too many others: {chain}; give one of them a value");
+            self.inconsistent(key, message);
+            return Err(faulty());
+        }
+        parameters.open.push(name.to_owned());
+        drop(parameters);
+        let value = self.value(&key, definition, None);
+        let mut parameters = self.parameters.borrow_mut();
+        parameters.open.pop();
+        parameters.values.insert(name.to_owned(), value);
+        value.ok_or_else(faulty)
     }
 
     /// The quantity at a key, of the kind expected (or of any kind), or the value that overrides it.
@@ -169,53 +213,45 @@ impl<'s> Context<'s> {
             Value::String(text) => evaluate(text, &mut |name| self.parameter(name)),
             other => {
                 let expected = expected.map_or("a quantity", |kind| kind.name).to_owned();
-                self.wrong_type(key, other, expected);
-                return None;
+                return self.wrong_type(key, other, expected).and(None);
             }
         };
-        let shown = || value.to_string();
+        let without = |unit: &str, Kind { name, units, .. }: Kind| {
+            FaultKind::OfAValue(format!("{value} has no {unit}, expected {name} ({units}, ...)"))
+        };
         let kind = match (found, expected) {
-            (Ok(quantity), None) => return Some(quantity),
             (Ok(_), Some(expected)) if !value.is_str() && !expected.takes_bare_numbers() => {
-                FaultKind::NoUnit { value: shown(), unit: "unit", expected }
+                without("unit", expected)
             }
             (Ok(quantity), Some(expected)) if quantity.dimension != expected.dimension => {
                 // A text such as "5" has no unit either; "a plain number" would be a puzzling answer.
-                FaultKind::WrongUnit { value: shown(), found: quantity.dimension, expected }
+                FaultKind::wrong_unit(value, quantity.dimension, expected)
             }
-            (Ok(quantity), Some(expected)) if !expected.takes(quantity.angle) => {
-                let value = shown();
-                if quantity.angle == AngleUnit::Present {
-                    FaultKind::AngleUnit { value, expected }
-                } else {
-                    FaultKind::NoUnit { value, unit: "unit of angle", expected }
+            (Ok(quantity), Some(expected)) if !expected.takes(quantity.angle) => match quantity.angle {
+                AngleUnit::Present => {
+                    FaultKind::OfAValue(format!("{value} has a unit of angle, expected {}", expected.name))
                 }
-            }
-            (Ok(quantity), Some(_)) => return Some(quantity),
+                _ => without("unit of angle", expected),
+            },
+            (Ok(quantity), _) => return Some(quantity),
             (Err(ExpressionError::Broken(_)), _) => return None,
             (Err(error), _) => {
-                let (message, piece) = (advised(&error, expected), error.piece());
-                FaultKind::Expression { value: shown(), message, piece }
+                FaultKind::Expression(format!("{value}: {}", advised(&error, expected)), error.piece())
             }
         };
-        self.fault(key, kind);
-        None
+        self.fault(key, kind).and(None)
     }
 
-    pub(super) fn wrong_type(&self, key: &str, value: &Value, expected: String) {
-        let found = match value {
-            Value::String(_) => "a text",
-            Value::Integer(_) | Value::Float(_) => "a number",
-            Value::Boolean(_) => "true or false",
-            Value::Datetime(_) => "a date",
-            Value::Array(_) => "a list",
-            Value::Table(_) => "a table",
+    pub(super) fn wrong_type(&self, key: &str, value: &Value, expected: String) -> Option<()> {
+        let (found, value) = match value {
+            Value::String(_) => ("a text", value.to_string()),
+            Value::Integer(_) | Value::Float(_) => ("a number", value.to_string()),
+            Value::Boolean(_) => ("true or false", value.to_string()),
+            Value::Datetime(_) => ("a date", value.to_string()),
+            Value::Array(_) => ("a list", "the value".to_owned()),
+            Value::Table(_) => ("a table", "the value".to_owned()),
         };
-        let value = match value {
-            Value::Array(_) | Value::Table(_) => "the value".to_owned(),
-            other => other.to_string(),
-        };
-        self.fault(key, FaultKind::WrongType { value, found: found.to_owned(), expected });
+        self.inconsistent(key, format!("{value} is {found}, expected {expected}"))
     }
 
     /// A quantity at `key` within its range.
@@ -225,8 +261,7 @@ impl<'s> Context<'s> {
             return Some(quantity.value);
         }
         let value = self.shown(key, value, quantity.value, kind);
-        self.fault(key, FaultKind::OutOfRange { value, allowed: range.words() });
-        None
+        self.fault(key, FaultKind::out_of_range(value, range.words())).and(None)
     }
 
     /// A quantity at `key`, or a share of `whole` such as `"2 %"`.
@@ -256,10 +291,23 @@ impl<'s> Context<'s> {
     /// The meaning of a word, or a fault with the nearest of `words`.
     pub(super) fn word<T: Copy>(&self, key: &str, word: &str, words: &[(&str, T)]) -> Option<T> {
         let found = words.iter().find(|(name, _)| *name == word).map(|(_, meaning)| *meaning);
-        if found.is_none() {
-            self.fault(key, FaultKind::unknown_word(word, words.iter().map(|(name, _)| *name)));
-        }
-        found
+        let unknown = || FaultKind::unknown_word(word, words.iter().map(|(name, _)| *name));
+        found.or_else(|| self.fault(key, unknown()).and(None))
+    }
+}
+
+/// Why a name cannot be that of a parameter; none if it can.
+fn why_not_a_name(name: &str) -> Option<&'static str> {
+    let plain = name.chars().all(|c| c.is_alphanumeric() || c == '_')
+        && name.chars().next().is_some_and(|c| !c.is_ascii_digit());
+    if unit(name).is_some() {
+        Some("it is a unit")
+    } else if RESERVED.contains(&name) {
+        Some("it is a function or constant of expressions")
+    } else if !plain {
+        Some("names of parameters have letters, digits and `_`, and start with a letter")
+    } else {
+        None
     }
 }
 
@@ -268,8 +316,7 @@ impl<'s> Context<'s> {
 /// # Errors
 /// It is no quantity, or one of another kind.
 pub fn read_quantity(text: &str, kind: Kind) -> Result<f64, FaultKind> {
-    let none = Overrides::new();
-    let cx = Context::new("", &none);
+    let cx = Context::new("", &NONE);
     let read = cx.quantity("", &Value::String(text.to_owned()), kind, Range::Any);
     let fault = || cx.take_faults().remove(0).kind;
     read.ok_or_else(fault)

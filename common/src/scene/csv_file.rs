@@ -102,12 +102,8 @@ impl<'t> CsvFile<'t> {
         }
         let first = self.head.first().zip(self.head.last());
         let head = first.map_or("", |(first, last)| &self.text[first.span.start..last.span.end]);
-        let is_comma_file = separator(head) == ',' && found > expected;
-        let advice = if is_comma_file {
-            "; if these are decimal commas, write decimal points: 0.5; if they separate thousands, leave them out: 9000"
-        } else {
-            ""
-        };
+        const COMMAS: &str = "; if these are decimal commas, write decimal points: 0.5; if they separate thousands, leave them out: 9000";
+        let advice = if separator(head) == ',' && found > expected { COMMAS } else { "" };
         let message = format!("has {found} values, the head has {expected} columns{advice}");
         let span = row.first().map_or(0, |cell| cell.span.start)..row.last().map_or(0, |cell| cell.span.end);
         Some(self.fault(span, key, message))
@@ -135,12 +131,8 @@ impl<'t> CsvFile<'t> {
             // Without units, which are most of a short head.
             let near = nearest(split_unit(name).0, self.head.iter().map(|cell| split_unit(cell.text).0));
             let head = self.head.iter().find(|cell| Some(split_unit(cell.text).0) == near.as_deref());
-            FaultKind::UnknownReference {
-                what: "column",
-                value: name.to_owned(),
-                nearest: head.map(|cell| cell.text.to_owned()),
-                known: self.head.iter().map(|cell| cell.text.to_owned()).collect(),
-            }
+            let known: Vec<&str> = self.head.iter().map(|cell| cell.text).collect();
+            FaultKind::unknown_near("column", name, &head.map(|cell| cell.text.to_owned()), &known)
         })
     }
 
@@ -149,29 +141,26 @@ impl<'t> CsvFile<'t> {
     /// # Errors
     /// Cells that are no numbers, each with its place.
     pub(super) fn column(&self, column: usize, key: &str) -> Result<CsvColumn, Faults> {
-        let mut faults = Vec::new();
-        let mut numbers = Vec::new();
-        for cell in self.rows.iter().map(|row| &row[column]) {
-            match cell.text.parse::<f64>() {
-                Ok(number) if number.is_finite() => numbers.push(number),
-                _ => faults.push(self.fault(cell.span.clone(), key, not_a_number(cell.text))),
-            }
-        }
-        faults.truncate(FAULT_LIMIT);
+        let cells = || self.rows.iter().map(|row| &row[column]);
+        let number = |cell: &Cell| cell.text.parse::<f64>().ok().filter(|number| number.is_finite());
+        let wrong = cells().filter(|cell| number(cell).is_none()).take(FAULT_LIMIT);
+        let fault = |cell: &Cell| self.fault(cell.span.clone(), key, not_a_number(cell.text));
+        let faults: Vec<Fault> = wrong.map(fault).collect();
         if !faults.is_empty() {
             return Err(Faults(faults));
         }
         let head = &self.head[column];
         let unit = split_unit(head.text).1.filter(|unit| !["", "-", "1"].contains(unit));
-        let offset =
-            unit.map(|unit| head.span.start + (unit.as_ptr() as usize - head.text.as_ptr() as usize));
-        let unit_span = offset.zip(unit).map_or(head.span.clone(), |(at, unit)| at..at + unit.len());
+        let place = |unit: &str| {
+            let at = head.span.start + (unit.as_ptr() as usize - head.text.as_ptr() as usize);
+            at..at + unit.len()
+        };
         Ok(CsvColumn {
             unit: unit.map(str::to_owned),
-            unit_span,
+            unit_span: unit.map_or(head.span.clone(), place),
             head_span: head.span.clone(),
-            numbers,
-            spans: self.rows.iter().map(|row| row[column].span.clone()).collect(),
+            numbers: cells().filter_map(number).collect(),
+            spans: cells().map(|cell| cell.span.clone()).collect(),
         })
     }
 

@@ -58,8 +58,7 @@ pub(super) fn import(
     origin: &str,
     folder: Option<&Path>,
 ) -> Result<Vec<ImportedColumn>, Faults> {
-    let mut imported = Vec::new();
-    let mut faults = Vec::new();
+    let mut read = Vec::new();
     for (list, keys) in PLACES {
         let rows = document.get_mut(list).and_then(Value::as_array_mut).into_iter().flatten();
         for (number, row) in rows.enumerate() {
@@ -68,21 +67,14 @@ pub(super) fn import(
             let path =
                 name.map_or_else(|| format!("{list}[{}]", number + 1), |name| format!("{list}.{name}"));
             for key in keys {
-                let Some(table) = row.get_mut(*key).and_then(Value::as_table_mut) else { continue };
-                if !table.contains_key("csv") {
-                    continue;
-                }
+                let table = row.get_mut(*key).and_then(Value::as_table_mut);
+                let Some(table) = table.filter(|table| table.contains_key("csv")) else { continue };
                 let request = ImportRequest { path: format!("{path}.{key}"), origin, folder };
-                let is_sample = *key == "samples";
-                let read = if is_sample { request.samples(table) } else { request.curve(table) };
-                match read {
-                    Ok(columns) => imported.extend(columns),
-                    Err(Faults(found)) => faults.extend(found),
-                }
+                read.push(request.read(table, *key == "samples"));
             }
         }
     }
-    if faults.is_empty() { Ok(imported) } else { Err(Faults(faults)) }
+    Ok(all(read.into_iter())?.concat())
 }
 
 /// One table of a scene that names a CSV file.
@@ -94,62 +86,53 @@ struct ImportRequest<'r> {
 }
 
 impl ImportRequest<'_> {
-    /// Replaces `csv` and `columns` of a curve by `at` and `value`.
-    fn curve(&self, table: &mut Table) -> Result<Vec<ImportedColumn>, Faults> {
-        const EXPECTED: &str = "a list of the two columns, of the arguments and the values";
-        self.refuse_beside(table, &["at", "value"])?;
-        let (file, text) = self.file(table)?;
-        let csv = CsvFile::read(&file, &text, &format!("{}.csv", self.path))?;
-        let names = match table.remove("columns") {
-            None if csv.width() == 2 => [csv.head(0), csv.head(1)].map(str::to_owned).to_vec(),
-            None => return Err(self.unnamed_column(&csv, "columns", EXPECTED)),
-            Some(Value::Array(names)) => names.iter().filter_map(Value::as_str).map(str::to_owned).collect(),
-            Some(_) => Vec::new(),
+    /// Replaces `csv` and `columns` of a curve by `at` and `value`, or `csv` and `column` of samples by `unit` and `values`.
+    fn read(&self, table: &mut Table, is_sample: bool) -> Result<Vec<ImportedColumn>, Faults> {
+        let (key, expected, [first, second]) = match is_sample {
+            true => ("column", "the name of a column", ["unit", "values"]),
+            false => {
+                ("columns", "a list of the two columns, of the arguments and the values", ["at", "value"])
+            }
         };
-        let [at, value] = names.as_slice() else {
-            return Err(self.one("columns", format!("expected {EXPECTED}")));
-        };
-        let columns = [("at", at, "columns.1"), ("value", value, "columns.2")];
-        let read = columns.map(|(key, name, place)| {
-            let column = csv.find(name).map_err(|kind| self.one(place, kind))?;
-            Ok((key, csv.column(column, &format!("{}.{key}", self.path))?))
-        });
-        let read = all(read)?;
-        Ok(read
-            .into_iter()
-            .map(|(key, column)| {
-                table.insert(key.to_owned(), Value::Table(list(&column)));
-                self.imported(format!("{}.{key}", self.path), &file, &text, column)
-            })
-            .collect())
-    }
-
-    /// Replaces `csv` and `column` of samples by `unit` and `values`.
-    fn samples(&self, table: &mut Table) -> Result<Vec<ImportedColumn>, Faults> {
-        const EXPECTED: &str = "the name of a column";
-        self.refuse_beside(table, &["unit", "values"])?;
-        let (file, text) = self.file(table)?;
-        let csv = CsvFile::read(&file, &text, &format!("{}.csv", self.path))?;
-        let place = match table.remove("column") {
-            None if csv.width() == 1 => 0,
-            None => return Err(self.unnamed_column(&csv, "column", EXPECTED)),
-            Some(Value::String(name)) => csv.find(&name).map_err(|kind| self.one("column", kind))?,
-            Some(_) => return Err(self.one("column", format!("expected {EXPECTED}"))),
-        };
-        let column = csv.column(place, &self.path)?;
-        table.extend(list(&column));
-        Ok(vec![self.imported(self.path.clone(), &file, &text, column)])
-    }
-
-    fn imported(&self, key: String, file: &str, text: &str, column: CsvColumn) -> ImportedColumn {
-        ImportedColumn { key, file: file.to_owned(), text: text.to_owned(), column }
-    }
-
-    fn refuse_beside(&self, table: &Table, keys: &[&str; 2]) -> Result<(), Faults> {
-        if keys.iter().any(|key| table.contains_key(*key)) {
-            return Err(self.one("csv", format!("give either csv, or {} and {}, not both", keys[0], keys[1])));
+        if table.contains_key(first) || table.contains_key(second) {
+            return Err(self.one("csv", format!("give either csv, or {first} and {second}, not both")));
         }
-        Ok(())
+        let (file, text) = self.file(table)?;
+        let csv = CsvFile::read(&file, &text, &format!("{}.csv", self.path))?;
+        let heads: Vec<String> = (0..csv.width()).map(|column| csv.head(column).to_owned()).collect();
+        let count = if is_sample { 1 } else { 2 };
+        let names = match table.remove(key) {
+            None if heads.len() == count => heads,
+            None => {
+                let expected = format!("{expected}; the file has: {}", heads.join(", "));
+                return Err(self.one(key, FaultKind::Missing(expected)));
+            }
+            Some(Value::String(name)) if is_sample => vec![name],
+            Some(Value::Array(names)) if !is_sample => {
+                names.iter().filter_map(Value::as_str).map(str::to_owned).collect()
+            }
+            Some(_) => vec![],
+        };
+        if names.len() != count {
+            return Err(self.one(key, format!("expected {expected}")));
+        }
+        let places = [("columns.1", first), ("columns.2", second)];
+        let read = names.iter().zip(places).map(|(name, (place, part))| {
+            let (place, path) = match is_sample {
+                true => (key, self.path.clone()),
+                false => (place, format!("{}.{part}", self.path)),
+            };
+            let column = csv.find(name).map_err(|kind| self.one(place, kind))?;
+            Ok((csv.column(column, &path)?, path))
+        });
+        let imported = all(read)?.into_iter().zip([first, second]).map(|((column, key), part)| {
+            match is_sample {
+                true => table.extend(list(&column)),
+                false => drop(table.insert(part.to_owned(), Value::Table(list(&column)))),
+            }
+            ImportedColumn { key, file: file.clone(), text: text.clone(), column }
+        });
+        Ok(imported.collect())
     }
 
     /// Name and text of the file that a table names; name and hash take the place of its key.
@@ -171,22 +154,15 @@ impl ImportRequest<'_> {
         Ok((path.display().to_string(), text))
     }
 
-    fn unnamed_column(&self, csv: &CsvFile, key: &str, expected: &str) -> Faults {
-        let heads: Vec<&str> = (0..csv.width()).map(|column| csv.head(column)).collect();
-        let expected = format!("{expected}; the file has: {}", heads.join(", "));
-        self.one(key, FaultKind::Missing(expected))
-    }
-
     fn one(&self, key: &str, kind: impl Into<FaultKind>) -> Faults {
         Faults::one(self.origin, &format!("{}.{key}", self.path), kind)
     }
 }
 
-/// Both results, or the faults of both.
-fn all<T>(read: [Result<T, Faults>; 2]) -> Result<Vec<T>, Faults> {
+/// All results, or the faults of all.
+fn all<T>(read: impl Iterator<Item = Result<T, Faults>>) -> Result<Vec<T>, Faults> {
     let mut faults = Vec::new();
-    let found: Vec<T> =
-        read.into_iter().filter_map(|read| read.map_err(|Faults(more)| faults.extend(more)).ok()).collect();
+    let found = read.filter_map(|read| read.map_err(|Faults(more)| faults.extend(more)).ok()).collect();
     if faults.is_empty() { Ok(found) } else { Err(Faults(faults)) }
 }
 

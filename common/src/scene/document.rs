@@ -70,26 +70,23 @@ fn duplicate_key(text: &str, origin: &str, span: Range<usize>) -> Faults {
     let start = line_start(span.start);
     let head = text[start..line_end(text, span.start)].trim();
     let inside = head.trim_start_matches('[').trim_start();
-    let is_named = |list: &str| {
-        head.starts_with('[')
-            && inside.strip_prefix(list).is_some_and(|rest| rest.starts_with([']', '.', ' ']))
+    let is_head = head.starts_with('[');
+    let is_named = |list: &&str| {
+        is_head && inside.strip_prefix(*list).is_some_and(|rest| rest.starts_with([']', '.', ' ']))
     };
-    let single = LISTS.into_iter().find(|list| is_named(list)).and_then(|list| {
+    if let Some(list) = LISTS.into_iter().find(is_named) {
         let is_single = |line: &str| {
             line.strip_prefix('[').is_some_and(|rest| rest.trim_start().starts_with(&format!("{list}]")))
         };
-        lines_before(line_end(text, span.start))
-            .find(|(_, line)| is_single(line))
-            .map(|(at, line)| (list, at, line))
-    });
-    if let Some((list, at, line)) = single {
-        let message = format!("each row of the list `{list}` begins with [[{list}]], in two brackets");
-        return Faults(vec![fault(at..at + line.len(), message)]);
+        let mut lines = lines_before(line_end(text, span.start));
+        if let Some((at, line)) = lines.find(|(_, line)| is_single(line)) {
+            let message = format!("each row of the list `{list}` begins with [[{list}]], in two brackets");
+            return Faults(vec![fault(at..at + line.len(), message)]);
+        }
     }
     // The lines of the same table, or for a head all lines.
     let key = text[span.clone()].trim();
     let mut before: Vec<(usize, &str)> = lines_before(start).collect();
-    let is_head = head.starts_with('[');
     if !is_head && let Some(own) = before.iter().rposition(|(_, line)| line.starts_with('[')) {
         before.drain(..own);
     }

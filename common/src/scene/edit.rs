@@ -6,7 +6,7 @@ use serde::de::IntoDeserializer;
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 use toml_edit::ser::ValueSerializer;
-use toml_edit::{ArrayOfTables, DocumentMut, Item, TableLike};
+use toml_edit::{DocumentMut, Item, TableLike};
 
 /// A text with the contents of `document`, in the form of the last of `texts`; what that does not have has the form of the first of the
 /// others that has it.
@@ -59,9 +59,7 @@ fn fit(item: &mut Item, others: &[&Item], value: &Value) {
         }
         (Item::ArrayOfTables(rows), Value::Array(values)) if are_tables(values) => {
             let fitted = fit_rows(rows.iter().cloned().map(Item::Table).collect(), others, values);
-            let tables = fitted.into_iter().filter_map(|(row, _)| row.into_table().ok());
-            *rows = ArrayOfTables::new();
-            tables.for_each(|table| rows.push(table));
+            *rows = fitted.into_iter().filter_map(|(row, _)| row.into_table().ok()).collect();
         }
         (Item::Value(toml_edit::Value::Array(list)), Value::Array(values)) => {
             let old: Vec<Item> = list.iter().cloned().map(Item::Value).collect();
@@ -156,12 +154,8 @@ fn written(value: &Value, has_heads: bool) -> Item {
             let rows = rows.iter().filter_map(|row| written(row, true).into_table().ok());
             Item::ArrayOfTables(rows.collect())
         }
-        value => Item::Value(inline(value)),
+        value => Item::Value(value.serialize(ValueSerializer::new()).expect("a value of TOML")),
     }
-}
-
-fn inline(value: &Value) -> toml_edit::Value {
-    value.serialize(ValueSerializer::new()).expect("a value of TOML")
 }
 
 /// The value of an item; `None` if it has none.
@@ -171,18 +165,14 @@ fn read(item: &Item) -> Option<Value> {
 
 /// The tables of another text have the places of that text.
 fn forget_positions(item: &mut Item) {
-    match item {
-        Item::Table(table) => {
-            table.set_position(None);
-            table.iter_mut().for_each(|(_, item)| forget_positions(item));
-        }
-        Item::ArrayOfTables(rows) => {
-            for row in rows.iter_mut() {
-                row.set_position(None);
-                row.iter_mut().for_each(|(_, item)| forget_positions(item));
-            }
-        }
-        _ => {}
+    let tables: Vec<&mut toml_edit::Table> = match item {
+        Item::Table(table) => vec![table],
+        Item::ArrayOfTables(rows) => rows.iter_mut().collect(),
+        _ => vec![],
+    };
+    for table in tables {
+        table.set_position(None);
+        table.iter_mut().for_each(|(_, item)| forget_positions(item));
     }
 }
 
@@ -190,7 +180,8 @@ fn are_tables(rows: &[Value]) -> bool {
     !rows.is_empty() && rows.iter().all(Value::is_table)
 }
 
-fn name(row: &Value) -> Option<&str> {
+/// The name of a row; `None` if it has none.
+pub(super) fn name(row: &Value) -> Option<&str> {
     row.get("name")?.as_str()
 }
 

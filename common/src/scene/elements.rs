@@ -25,12 +25,14 @@ pub(super) struct OutputRow {
 }
 
 impl OutputRow {
-    /// An output that an external simulator returns.
-    pub(super) fn declared(name: &str, output: Option<Output>) -> Self {
+    /// An output that an external simulator returns in this unit; `single` if it has a single value.
+    pub(super) fn declared(name: &str, unit: Option<&str>, single: Option<bool>) -> Self {
+        let read = unit.zip(single);
+        let kind = read.map(|(unit, single)| OutputKind::External { unit: unit.to_owned(), single });
         OutputRow {
             name: name.to_owned(),
             kind: Some(Kind::from_dimension(NUMBER.dimension)),
-            output,
+            output: kind.map(|kind| Output { name: name.to_owned(), kind }),
             declared: true,
         }
     }
@@ -99,8 +101,7 @@ fn check(row: &Section, keys: &[Key], values: &[Option<Value>]) -> Option<()> {
         }
         _ => return check_drag(row, keys),
     };
-    row.inconsistent_table(contradiction);
-    None
+    row.inconsistent_table(contradiction).and(None)
 }
 
 /// Checks that a drag has at least one of its coefficients.
@@ -113,8 +114,7 @@ fn check_drag(row: &Section, keys: &[Key]) -> Option<()> {
         return Some(());
     };
     if row.peek("linear").is_none() && row.peek("quadratic").is_none() {
-        row.missing("quadratic", format!("{quadratic}, or linear, {linear}"));
-        return None;
+        return row.missing("quadratic", format!("{quadratic}, or linear, {linear}")).and(None);
     }
     Some(())
 }
@@ -126,8 +126,7 @@ const COLUMNS: [&str; 4] = ["cycles", "total", "standard_error", "numerical"];
 pub(super) fn limit_states(file: &mut Section, outputs: &[OutputRow]) -> Vec<Option<LimitState>> {
     file.each_row("limit_states", |name, row| {
         if COLUMNS.contains(&name) {
-            let (value, reason) = (name.to_owned(), "it is a column of result files".to_owned());
-            row.fault("name", FaultKind::BadName { value, reason });
+            row.fault("name", FaultKind::BadName(name.to_owned(), "it is a column of result files"));
         }
         let known = outputs.iter().map(|output| output.name.as_str());
         let declared = outputs.iter().any(|output| output.declared);
@@ -155,8 +154,7 @@ fn sides(row: &mut Section, kind: Option<Kind>, range: Range) -> Option<(f64, Fa
     let one_sided = fails != outside;
     if let Some(surplus) = if one_sided { two } else { one } {
         let expected = "expected threshold, or lower and upper with fails = \"outside\", not some of both";
-        row.inconsistent(surplus, expected);
-        return None;
+        return row.inconsistent(surplus, expected).and(None);
     }
     let mut threshold = |key| row.quantity(key, kind?, range);
     if one_sided {
@@ -165,8 +163,7 @@ fn sides(row: &mut Section, kind: Option<Kind>, range: Range) -> Option<(f64, Fa
     let (lower, upper) = (threshold("lower"), threshold("upper"));
     let (lower, upper) = (lower?, upper?);
     if lower >= upper {
-        row.inconsistent("lower", "expected lower < upper");
-        return None;
+        return row.inconsistent("lower", "expected lower < upper").and(None);
     }
     Some((upper, Fails::Outside { lower }))
 }

@@ -41,12 +41,8 @@ impl JointKind {
         let range = |table: &Table| between(table.range(), "to");
         Some(match self {
             JointKind::Slot { axis } => format!("pin in a slot along {:.3} deg", axis.to_degrees()),
-            JointKind::LinearDrive(Drive::ConstantSpeed { start_angle: length, speed }) => {
-                format!(
-                    "linear drive from {} at {}",
-                    units.text(*length, "mm", 3),
-                    units.text(*speed, "mm/s", 3)
-                )
+            JointKind::LinearDrive(Drive::ConstantSpeed { start_angle: start, speed }) => {
+                format!("linear drive from {} at {}", length(*start), units.text(*speed, "mm/s", 3))
             }
             JointKind::LinearDrive(Drive::Angle(table) | Drive::Speed { table, .. }) => {
                 format!("linear drive, {} by a table over time", range(table))
@@ -74,15 +70,12 @@ impl OutputKind {
     /// Description in words.
     pub fn description(&self, scene: &Scene) -> String {
         let sentence = match self {
-            OutputKind::PositionError { wanted: [Some(_), Some(_)], .. } => {
-                "{measure} distance of a point of {at} from its wanted position"
-            }
-            OutputKind::PositionError { wanted: [Some(_), None], .. } => {
-                "{measure} error of x of a point of {at}"
-            }
-            OutputKind::PositionError { wanted: [None, Some(_)], .. } => {
-                "{measure} error of y of a point of {at}"
-            }
+            OutputKind::PositionError { wanted, .. } => match wanted.each_ref().map(Option::is_some) {
+                [true, true] => "{measure} distance of a point of {at} from its wanted position",
+                [true, false] => "{measure} error of x of a point of {at}",
+                [false, true] => "{measure} error of y of a point of {at}",
+                [false, false] => self.kind().sentence,
+            },
             other => other.kind().sentence,
         };
         with_values(sentence, &self.values(), scene)
@@ -100,21 +93,17 @@ fn with_values(sentence: &str, values: &[(&Key, Value)], scene: &Scene) -> Strin
 /// The value of a key of this form in a sentence.
 fn in_words(form: Form, value: &Value, scene: &Scene) -> String {
     let body = |index: usize| scene.bodies[index].name.clone();
+    let si = if let Form::Pair(kind) | Form::Curve(kind) = form { kind.si } else { "" };
     match value {
         Value::Place(place) => body(place.body),
         Value::Body(index) => body(*index),
         Value::SignedBody(signed) => signed.label.clone(),
-        Value::Pair([x, y]) => match form {
-            Form::Pair(kind) => format!("({x}, {y}) {}", kind.si),
-            _ => format!("({x}, {y})"),
-        },
+        Value::Pair([x, y]) => format!("({x}, {y}) {si}").trim_end().to_owned(),
         Value::Number(number) => match form {
             Form::Number(kind, _) | Form::NumberOr(kind, ..) => quantity(*number, kind, &scene.units),
             _ => number.to_string(),
         },
-        Value::Curve(curve) => {
-            curve_in_words(curve, scene, if let Form::Curve(kind) = form { kind.si } else { "" })
-        }
+        Value::Curve(curve) => curve_in_words(curve, scene, si),
         Value::MaybeCurve(curve) if matches!(form, Form::Wanted(_)) => {
             if curve.is_some() { "the wanted one" } else { "that with ideal joints" }.to_owned()
         }

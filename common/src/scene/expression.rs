@@ -33,10 +33,8 @@ pub fn evaluate(
     let mut parser = Parser { tokens: &tokens, next: 0, depth: 0, lookup };
     let quantity = parser.sum()?;
     if let Some(token) = parser.peek() {
-        return Err(ExpressionError::Unexpected {
-            found: token.to_string(),
-            expected: "an operator; a unit follows a number, as in 2 * 1 mm",
-        });
+        let expected = "an operator; a unit follows a number, as in 2 * 1 mm";
+        return Err(ExpressionError::Unexpected(token.to_string(), expected));
     }
     if quantity.value.is_finite() { Ok(quantity) } else { Err(ExpressionError::NotFinite) }
 }
@@ -72,7 +70,8 @@ fn tokens(text: &str) -> Result<Vec<Token<'_>>, ExpressionError> {
     let mut tokens = Vec::new();
     let mut rest = text.trim_start();
     while let Some(first) = rest.chars().next() {
-        let length = if first.is_ascii_digit() || first == '.' {
+        let is_number = first.is_ascii_digit() || first == '.';
+        let length = if is_number {
             number_length(rest.as_bytes())
         } else if first.is_alphabetic() || first == '_' {
             rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len())
@@ -80,21 +79,17 @@ fn tokens(text: &str) -> Result<Vec<Token<'_>>, ExpressionError> {
             first.len_utf8()
         };
         let (piece, after) = rest.split_at(length);
-        tokens.push(if first.is_ascii_digit() || first == '.' {
-            let value = piece.parse().map_err(|_| ExpressionError::Character(first))?;
-            Token::Number(value, piece)
-        } else if first.is_alphabetic() || first == '_' || first == '%' {
-            Token::Name(piece)
-        } else if "+-*/^()".contains(first) {
-            Token::Sign(first)
-        } else {
-            let is_number = first == ',' && after.starts_with(|c: char| c.is_ascii_digit());
-            return Err(match tokens.last() {
-                Some(Token::Number(_, before)) if is_number => {
-                    ExpressionError::Comma { before: (*before).to_owned(), after: after.to_owned() }
-                }
-                _ => ExpressionError::Character(first),
-            });
+        tokens.push(match (first, tokens.last()) {
+            _ if is_number => {
+                Token::Number(piece.parse().map_err(|_| ExpressionError::Character(first))?, piece)
+            }
+            ('%' | '_', _) => Token::Name(piece),
+            _ if first.is_alphabetic() => Token::Name(piece),
+            ('+' | '-' | '*' | '/' | '^' | '(' | ')', _) => Token::Sign(first),
+            (',', Some(Token::Number(_, before))) if after.starts_with(|c: char| c.is_ascii_digit()) => {
+                return Err(ExpressionError::Comma((*before).to_owned(), after.to_owned()));
+            }
+            _ => return Err(ExpressionError::Character(first)),
         });
         rest = after.trim_start();
     }
@@ -147,8 +142,7 @@ impl<'t> Parser<'_, 't> {
             self.next += 1;
             let right = self.product()?;
             if left.dimension != right.dimension {
-                let (left, right) = (left.dimension, right.dimension);
-                return Err(ExpressionError::Mixed { verb, left, right });
+                return Err(ExpressionError::Mixed(verb, left.dimension, right.dimension));
             }
             left.value += sign * right.value;
             left.angle = left.angle.plus(right.angle);
@@ -158,15 +152,14 @@ impl<'t> Parser<'_, 't> {
     fn product(&mut self) -> Result<Quantity, ExpressionError> {
         let mut left = self.signed()?;
         loop {
-            let divide = match self.peek() {
-                Some(Token::Sign('*')) => false,
-                Some(Token::Sign('/')) => true,
+            let power = match self.peek() {
+                Some(Token::Sign('*')) => 1,
+                Some(Token::Sign('/')) => -1,
                 _ => return Ok(left),
             };
             self.next += 1;
             let right = self.signed()?;
-            let (value, power) =
-                if divide { (left.value / right.value, -1) } else { (left.value * right.value, 1) };
+            let value = if power < 0 { left.value / right.value } else { left.value * right.value };
             let dimension = left.dimension.times(right.dimension.power(power));
             left = Quantity { value, dimension, angle: angle_of_product(&left, &right) };
         }
@@ -214,20 +207,14 @@ impl<'t> Parser<'_, 't> {
         match token {
             Token::Number(value, _) => self.with_unit(value),
             Token::Sign('(') => self.parenthesis(),
-            Token::Sign(sign) => {
-                Err(ExpressionError::Unexpected { found: sign.to_string(), expected: EXPECTED })
-            }
+            Token::Sign(sign) => Err(ExpressionError::Unexpected(sign.to_string(), EXPECTED)),
             Token::Name("pi") => {
                 Ok(Quantity { angle: AngleUnit::Open, ..Quantity::plain(std::f64::consts::PI) })
             }
-            Token::Name(name) if self.accept('(') => {
-                let argument = self.parenthesis()?;
-                function(name, argument)
+            Token::Name(name) if self.accept('(') => function(name, self.parenthesis()?),
+            Token::Name(name) if unit(name).is_some() => {
+                Err(ExpressionError::Unexpected(name.to_owned(), "a number before the unit"))
             }
-            Token::Name(name) if unit(name).is_some() => Err(ExpressionError::Unexpected {
-                found: name.to_owned(),
-                expected: "a number before the unit",
-            }),
             Token::Name(name) => (self.lookup)(name),
         }
     }
@@ -244,16 +231,14 @@ impl<'t> Parser<'_, 't> {
             return Ok(inside);
         }
         match self.peek() {
-            Some(token) => Err(ExpressionError::Unexpected { found: token.to_string(), expected: "`)`" }),
+            Some(token) => Err(ExpressionError::Unexpected(token.to_string(), "`)`")),
             None => Err(ExpressionError::Incomplete("`)`")),
         }
     }
 
     fn unit_at(&self, position: usize) -> Option<Unit> {
-        match self.tokens.get(position) {
-            Some(Token::Name(name)) => unit(name),
-            _ => None,
-        }
+        let Some(Token::Name(name)) = self.tokens.get(position) else { return None };
+        unit(name)
     }
 
     /// The unit after a number, if there is one.
@@ -271,9 +256,9 @@ impl<'t> Parser<'_, 't> {
         }
         let mut after_bar = false;
         let mut times = |factor: Unit, n: i16| {
+            let (above, under) =
+                if n < 0 { (factor.divide, factor.multiply) } else { (factor.multiply, factor.divide) };
             for _ in 0..n.unsigned_abs() {
-                let (above, under) =
-                    if n < 0 { (factor.divide, factor.multiply) } else { (factor.multiply, factor.divide) };
                 multiply *= above;
                 divide *= under;
             }
@@ -329,17 +314,14 @@ impl<'t> Parser<'_, 't> {
 
     /// Refuses a name after a number that is neither a unit nor the name of a parameter, function or constant.
     fn refuse_unknown_unit(&mut self) -> Result<(), ExpressionError> {
-        match self.peek() {
-            Some(Token::Name(name)) if unit(name).is_none() && !RESERVED.contains(&name) => {
-                match (self.lookup)(name) {
-                    Err(ExpressionError::UnknownName { nearest: None, .. }) => {
-                        Err(ExpressionError::UnknownUnit(name.to_owned()))
-                    }
-                    _ => Ok(()),
-                }
-            }
-            _ => Ok(()),
+        if let Some(Token::Name(name)) = self.peek()
+            && unit(name).is_none()
+            && !RESERVED.contains(&name)
+            && let Err(ExpressionError::UnknownName { nearest: None, .. }) = (self.lookup)(name)
+        {
+            return Err(ExpressionError::UnknownUnit(name.to_owned()));
         }
+        Ok(())
     }
 }
 
@@ -356,8 +338,7 @@ fn angle_of_product(left: &Quantity, right: &Quantity) -> AngleUnit {
 fn function(name: &str, x: Quantity) -> Result<Quantity, ExpressionError> {
     let angle = |function, f: fn(f64) -> f64| {
         if x.dimension != Dimension::NONE {
-            let expected = "an angle or a plain number";
-            return Err(ExpressionError::Argument { function, found: x.dimension, expected });
+            return Err(ExpressionError::Argument(function, x.dimension, "an angle or a plain number"));
         }
         Ok(Quantity::plain(f(x.value)))
     };
@@ -368,11 +349,10 @@ fn function(name: &str, x: Quantity) -> Result<Quantity, ExpressionError> {
         "abs" => Ok(Quantity { value: x.value.abs(), ..x }),
         "sqrt" => match x.dimension.square_root() {
             Some(dimension) => Ok(Quantity { value: x.value.sqrt(), dimension, angle: AngleUnit::Open }),
-            None => Err(ExpressionError::Argument {
-                function: "sqrt",
-                found: x.dimension,
-                expected: "a quantity whose dimension is a square",
-            }),
+            None => {
+                let expected = "a quantity whose dimension is a square";
+                Err(ExpressionError::Argument("sqrt", x.dimension, expected))
+            }
         },
         _ => Err(ExpressionError::UnknownName { name: name.to_owned(), nearest: None }),
     }

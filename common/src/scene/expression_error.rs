@@ -1,7 +1,6 @@
-//! Why an expression has no value, in words for the author of a scene.
+//! Why an expression has no value, in words for the author of a scene; what was meant by a unit that does not exist.
 
-use super::nearest_unit::nearest_unit;
-use super::quantity::Dimension;
+use super::quantity::{Dimension, FORCE, UNITS, unit};
 use thiserror::Error;
 
 /// Parentheses and signs may nest to this depth, so that hostile text cannot exhaust the stack.
@@ -16,22 +15,12 @@ pub enum ExpressionError {
     /// A character that is not part of the grammar.
     #[error("unexpected character `{0}`{advice}", advice = instead_of(*.0))]
     Character(char),
-    /// A comma between two digits.
-    #[error("unexpected character `,`: {}", instead_of_comma(.before, .after))]
-    Comma {
-        /// The digits before it.
-        before: String,
-        /// What follows it.
-        after: String,
-    },
-    /// A piece that cannot follow what precedes it.
-    #[error("unexpected `{found}`, expected {expected}")]
-    Unexpected {
-        /// The piece as written.
-        found: String,
-        /// Pieces that could follow, in words.
-        expected: &'static str,
-    },
+    /// A comma between two digits. Holds the digits before it, and what follows it.
+    #[error("unexpected character `,`: {}", instead_of_comma(.0, .1))]
+    Comma(String, String),
+    /// A piece that cannot follow what precedes it. Holds the piece as written, and the pieces that could follow, in words.
+    #[error("unexpected `{0}`, expected {1}")]
+    Unexpected(String, &'static str),
     /// The text ends inside an expression.
     #[error("ends too early, expected {0}")]
     Incomplete(&'static str),
@@ -49,26 +38,12 @@ pub enum ExpressionError {
     /// A parameter that is itself faulty; its own fault says why.
     #[error("the parameter `{0}` is faulty")]
     Broken(String),
-    /// Operands of different dimension.
-    #[error("cannot {verb} {left} and {right}: both must be of one kind")]
-    Mixed {
-        /// `add` or `subtract`.
-        verb: &'static str,
-        /// Dimension of the left operand.
-        left: Dimension,
-        /// Dimension of the right operand.
-        right: Dimension,
-    },
-    /// A function of an argument of the wrong dimension.
-    #[error("{function} of {found}, expected {expected}")]
-    Argument {
-        /// Name of the function.
-        function: &'static str,
-        /// Dimension of the argument.
-        found: Dimension,
-        /// Argument expected, in words.
-        expected: &'static str,
-    },
+    /// Operands of different dimension. Holds `add` or `subtract`, and the dimensions of both.
+    #[error("cannot {0} {1} and {2}: both must be of one kind")]
+    Mixed(&'static str, Dimension, Dimension),
+    /// A function of an argument of the wrong dimension. Holds the function, that dimension, and the argument expected, in words.
+    #[error("{0} of {1}, expected {2}")]
+    Argument(&'static str, Dimension, &'static str),
     /// An exponent that is not a whole number from -12 to 12.
     #[error("exponents are whole numbers from -12 to 12")]
     Exponent,
@@ -88,8 +63,8 @@ impl ExpressionError {
     pub fn piece(&self) -> Option<String> {
         match self {
             Self::Character(character) => Some(character.to_string()),
-            Self::Comma { .. } => Some(",".to_owned()),
-            Self::Unexpected { found: piece, .. }
+            Self::Comma(..) => Some(",".to_owned()),
+            Self::Unexpected(piece, _)
             | Self::UnknownName { name: piece, .. }
             | Self::UnknownUnit(piece)
             | Self::AmbiguousUnit(piece) => Some(piece.clone()),
@@ -130,5 +105,98 @@ fn instead_of(character: char) -> &'static str {
         ',' => ": a value is one quantity, a list has each in quotes",
         '=' => ": an expression has no `=`",
         _ => "",
+    }
+}
+
+/// Names under which units are known elsewhere.
+const ELSEWHERE: [(&str, &str); 22] = [
+    ("inch", "in"),
+    ("inches", "in"),
+    ("foot", "ft"),
+    ("feet", "ft"),
+    ("thou", "mil"),
+    ("micron", "um"),
+    ("meter", "m"),
+    ("metre", "m"),
+    ("gm", "g"),
+    ("lbs", "lb"),
+    ("lbm", "lb"),
+    ("lbft", "lbf ft"),
+    ("lbin", "lbf in"),
+    ("sec", "s"),
+    ("hr", "h"),
+    ("newton", "N"),
+    ("degree", "deg"),
+    ("degrees", "deg"),
+    ("turn", "r"),
+    ("turns", "r"),
+    ("Hz", "r/s"),
+    ("kHz", "r/ms"),
+];
+
+/// The unit that is most likely meant by a name that is none.
+pub fn nearest_unit(name: &str) -> Option<String> {
+    let known = |name: &str| unit(name).is_some();
+    if let Some((_, symbol)) = ELSEWHERE.iter().find(|(other, _)| *other == name) {
+        return Some((*symbol).to_owned());
+    }
+    // `mm2`, and with superscripts.
+    let plain = name.replace('\u{b2}', "2").replace('\u{b3}', "3");
+    if let Some((symbol, power)) = plain.char_indices().next_back().map(|(at, _)| plain.split_at(at))
+        && ["2", "3", "4"].contains(&power)
+        && known(symbol)
+    {
+        return Some(format!("{symbol}^{power}"));
+    }
+    // `Nm`: a force, or a kilogram, and what follows it.
+    let split = (1..name.len()).filter(|at| name.is_char_boundary(*at)).map(|at| name.split_at(at));
+    let is_first =
+        |name: &str| unit(name).is_some_and(|unit| unit.dimension == FORCE.dimension) || name == "kg";
+    if let Some((one, other)) = split.clone().find(|(one, other)| is_first(one) && known(other)) {
+        return Some(format!("{one} {other}"));
+    }
+    let symbols = || UNITS.iter().map(|(symbol, _)| *symbol);
+    if let Some(symbol) = symbols().find(|symbol| symbol.eq_ignore_ascii_case(name)) {
+        return Some(symbol.to_owned());
+    }
+    let first = name.chars().next();
+    let near = symbols()
+        .filter(|symbol| symbol.chars().count() > 1 && strsim::damerau_levenshtein(name, symbol) == 1);
+    near.min_by_key(|symbol| (symbol.chars().next() != first, symbol.len())).map(str::to_owned)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::expression::read_unit;
+    use super::*;
+
+    #[test]
+    fn what_was_meant_by_a_name() {
+        for (name, meant) in [
+            ("mmm", Some("mm")),
+            ("Nm", Some("N m")),
+            ("Nmm", Some("N mm")),
+            ("kNm", Some("kN m")),
+            ("lbft", Some("lbf ft")),
+            ("inch", Some("in")),
+            ("Mpa", Some("MPa")),
+            ("KG", Some("kg")),
+            ("PSI", Some("psi")),
+            ("mm2", Some("mm^2")),
+            ("mm\u{b2}", Some("mm^2")),
+            ("degs", Some("deg")),
+            ("Hz", Some("r/s")),
+            ("furlong", None),
+            ("x", None),
+        ] {
+            assert_eq!(nearest_unit(name).as_deref(), meant, "{name}");
+        }
+    }
+
+    #[test]
+    fn names_from_elsewhere_lead_to_units() {
+        for (name, symbol) in ELSEWHERE {
+            assert!(read_unit(symbol).is_ok() && unit(name).is_none(), "{name}: {symbol}");
+        }
     }
 }

@@ -6,7 +6,8 @@
 use super::builtin;
 use super::csv_import::{SOURCE, import};
 use super::document::document;
-use super::faults::{FaultKind, Faults, nearest};
+use super::edit::name;
+use super::faults::{FaultKind, Faults, nearest, suggestion};
 use super::layers::{Layer, Layers};
 use crate::text_file::read_text;
 use std::path::{Path, PathBuf};
@@ -21,43 +22,40 @@ const KEY: &str = "scene.extends";
 /// Path of the key that lists what is left out of the extended scene.
 const WITHOUT: &str = "scene.without";
 
+/// What the file of a scene is, for messages.
+pub(super) const SCENE_FILE: &str = "the TOML file of a scene";
+
 /// Name of the scene in the folder of a study.
 const COPY: &str = "scene.toml";
-
-/// Text of a scene file.
-///
-/// # Errors
-/// [`FaultKind::Unreadable`].
-pub(super) fn read(path: &Path) -> Result<String, Faults> {
-    read_as(path, "the TOML file of a scene")
-}
 
 /// Text of an input file.
 ///
 /// # Errors
-/// [`FaultKind::Unreadable`].
+/// It cannot be read.
 pub fn read_input(path: &Path) -> Result<String, Faults> {
-    read_as(path, "a text file")
+    read(path, "a text file")
 }
 
-fn read_as(path: &Path, expected: &str) -> Result<String, Faults> {
+/// Text of a file; `expected` says what it should be.
+///
+/// # Errors
+/// It cannot be read.
+pub(super) fn read(path: &Path, expected: &str) -> Result<String, Faults> {
     read_text(path, expected).map_err(|why| {
         let copy = path.join(COPY);
         let message = match copy.is_file() {
             true => format!("it is a folder; the scene of a study is {}", copy.display()),
             false => why,
         };
-        Faults::one(&path.display().to_string(), "", FaultKind::Unreadable(message))
+        Faults::one(&path.display().to_string(), "", format!("cannot be read: {message}"))
     })
 }
 
 /// The fault of a name that is neither a built-in scene nor a file.
 pub(super) fn unknown_scene(name: &str) -> FaultKind {
     let known: Vec<&str> = builtin::SCENES.iter().map(|(name, _)| *name).collect();
-    FaultKind::UnknownScene {
-        nearest: nearest(name, known.iter().copied()),
-        known: known.into_iter().map(str::to_owned).collect(),
-    }
+    let meant = suggestion(&nearest(name, known.iter().copied()));
+    format!("no such scene or file{meant}; built-in scenes: {}", known.join(", ")).into()
 }
 
 /// The scene of a text, merged with all scenes that it extends, and their texts.
@@ -75,15 +73,11 @@ pub(super) fn flatten(text: String, origin: &str, folder: Option<&Path>) -> Resu
             scene.map_or((None, None), |scene| (scene.remove("extends"), scene.remove("without")));
         let mut layer = Layer { file, text, imported: Vec::new() };
         let imported = import(&mut own, &layer.file, folder.as_deref());
-        layer.imported = imported.map_err(|faults| Layers(vec![layer.clone()]).located(faults))?;
-        let located = |faults| Layers(vec![layer.clone()]).located(faults);
+        layer.imported = imported.map_err(|faults| layer.located(faults))?;
+        let located = |faults| layer.located(faults);
         let without = left_out(without, extends.is_some(), &layer.file).map_err(located)?;
-        next = match extends {
-            None => None,
-            Some(extends) => {
-                Some(base(&extends, documents.len(), &layer.file, folder.as_deref()).map_err(located)?)
-            }
-        };
+        let base = extends.map(|name| base(&name, documents.len(), &layer.file, folder.as_deref()));
+        next = base.transpose().map_err(located)?;
         documents.push((own, without));
         layers.push(layer);
     }
@@ -92,8 +86,7 @@ pub(super) fn flatten(text: String, origin: &str, folder: Option<&Path>) -> Resu
         for path in without {
             if !leave_out(&mut merged, &path) {
                 let message = format!("the extended scene has no {path:?}");
-                let faults = Faults::one(&layer.file, WITHOUT, message);
-                return Err(Layers(vec![layer.clone()]).located(faults));
+                return Err(layer.located(Faults::one(&layer.file, WITHOUT, message)));
             }
         }
         merge(&mut merged, own);
@@ -103,20 +96,15 @@ pub(super) fn flatten(text: String, origin: &str, folder: Option<&Path>) -> Resu
 
 /// Paths of what a scene leaves out of the one that it extends.
 fn left_out(without: Option<Value>, extends: bool, origin: &str) -> Result<Vec<String>, Faults> {
-    let refuse = |message: String| Err(Faults::one(origin, WITHOUT, message));
-    match without {
-        None => Ok(vec![]),
-        Some(_) if !extends => refuse("needs `extends`: the scene that has what is left out".to_owned()),
-        Some(without) => {
-            let paths = without.as_array().and_then(|paths| {
-                paths.iter().map(|path| path.as_str().map(str::to_owned)).collect::<Option<Vec<_>>>()
-            });
-            paths.map_or_else(
-                || refuse(format!("{without} is no list of keys, e.g. [\"loads.push\", \"variables.push\"]")),
-                Ok,
-            )
-        }
+    let Some(without) = without else { return Ok(vec![]) };
+    let fault = |message: String| Faults::one(origin, WITHOUT, message);
+    if !extends {
+        return Err(fault("needs `extends`: the scene that has what is left out".to_owned()));
     }
+    let texts = |paths: &Vec<Value>| paths.iter().map(|path| path.as_str().map(str::to_owned)).collect();
+    without.as_array().and_then(texts).ok_or_else(|| {
+        fault(format!("{without} is no list of keys, e.g. [\"loads.push\", \"variables.push\"]"))
+    })
 }
 
 /// Text, file and folder of the scene that `extends` names, in a file which `depth` others extend.
@@ -127,7 +115,8 @@ fn base(
     folder: Option<&Path>,
 ) -> Result<(String, String, Option<PathBuf>), Faults> {
     if depth == EXTENDS_LIMIT {
-        return Err(Faults::one(origin, KEY, FaultKind::ExtendsTooDeep(EXTENDS_LIMIT)));
+        let message = format!("`extends` goes through more than {EXTENDS_LIMIT} scenes: is it a circle?");
+        return Err(Faults::one(origin, KEY, message));
     }
     let Some(name) = extends.as_str() else {
         let message = format!("{extends} is not the name of a scene or file");
@@ -137,7 +126,10 @@ fn base(
         return Ok((text.to_owned(), name.to_owned(), None));
     }
     match folder.map(|folder| folder.join(name)).filter(|path| path.is_file()) {
-        Some(path) => Ok((read(&path)?, path.display().to_string(), path.parent().map(Path::to_path_buf))),
+        Some(path) => {
+            let text = read(&path, SCENE_FILE)?;
+            Ok((text, path.display().to_string(), path.parent().map(Path::to_path_buf)))
+        }
         None => Err(Faults::one(origin, KEY, unknown_scene(name))),
     }
 }
@@ -183,10 +175,6 @@ fn leave_out(base: &mut Table, path: &str) -> bool {
         }
         _ => false,
     }
-}
-
-fn name(row: &Value) -> Option<&str> {
-    row.as_table()?.get("name")?.as_str()
 }
 
 fn named(rows: &[Value]) -> bool {

@@ -1,4 +1,5 @@
-//! The faults of a scene: each names file, key, value and what is allowed.
+//! The faults of a scene: each names file, key, value and what is allowed. For people each is printed as its message, its place, the line
+//! and carets under the piece, as compilers do.
 //!
 //! All faults of a scene are found in one pass:
 //!
@@ -21,8 +22,8 @@
 use super::expression::read_unit;
 use super::location::Location;
 use super::quantity::{Dimension, Kind};
-use crate::accuracy::AccuracyNameError;
 use std::collections::BTreeSet;
+use std::fmt::{Display, Write};
 use std::ops::Range;
 use thiserror::Error;
 
@@ -66,29 +67,78 @@ impl Faults {
         Faults(vec![Fault::new(file, key, kind)])
     }
 
+    /// The faults with an excerpt of the file each, and their number if there are several. Faults of one parameter, wherever it is
+    /// used, are one.
+    ///
+    /// ```
+    /// use common::scene::SceneSource;
+    ///
+    /// let text = "[scene]\nname = \"press\"\n[life]\ncycles = 0\n";
+    /// let faults = SceneSource::parse(text, "press.toml").unwrap_err();
+    /// assert!(faults.explained().contains(
+    ///     "error: life.cycles: 0 is out of range, allowed: 1 to 100000000\n \
+    ///      --> press.toml:4:10\n  |\n4 | cycles = 0\n  |          ^\n"
+    /// ));
+    /// ```
+    pub fn explained(&self) -> String {
+        let mut text = String::new();
+        let mut shown: Vec<&Fault> = Vec::new();
+        for fault in &self.0 {
+            if shown.iter().any(|other| is_repeated(other, fault)) {
+                continue;
+            }
+            shown.push(fault);
+            if !text.is_empty() {
+                text.push('\n');
+            }
+            let others = self.0.iter().filter(|other| is_repeated(fault, other) && other.key != fault.key);
+            // Writing to a String cannot fail.
+            let _ = write!(text, "error: {}", one(fault, others));
+        }
+        if shown.len() > 1 {
+            let _ = write!(text, "\nerror: {} faults\n", shown.len());
+        }
+        text
+    }
+
     /// These faults without their places, for a text that no person wrote.
     pub fn without_places(self) -> Self {
         Faults(self.0.into_iter().map(|fault| Fault::new(fault.file, fault.key, fault.kind)).collect())
     }
 }
 
+/// True if two faults of different keys have their cause in one parameter.
+fn is_repeated(one: &Fault, other: &Fault) -> bool {
+    one.used_at.is_some()
+        && other.used_at.is_some()
+        && one.location == other.location
+        && one.kind == other.kind
+}
+
+/// A fault with its excerpt; `others` have the same cause.
+fn one<'f>(fault: &Fault, others: impl Iterator<Item = &'f Fault>) -> String {
+    let Some(location) = &fault.location else { return format!("{fault}\n") };
+    let headline = match &fault.kind {
+        FaultKind::Syntax { message, .. } => message.clone(),
+        kind if fault.key.is_empty() => kind.to_string(),
+        kind => format!("{}: {kind}", fault.key),
+    };
+    let mut text = format!("{headline}\n{}\n", location.excerpt());
+    let margin = " ".repeat(location.line.to_string().len());
+    if let Some(used) = &fault.used_at {
+        let _ = writeln!(text, "{margin} = {} {used}: {}", fault.kind.related(), used.text.trim());
+    }
+    for other in others {
+        if let Some(used) = &other.used_at {
+            let _ = writeln!(text, "{margin} = used at {used}: {}: {}", other.key, used.text.trim());
+        }
+    }
+    text
+}
+
 /// Kinds of fault.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum FaultKind {
-    /// The file could not be read. Holds the reason given by the operating system.
-    #[error("cannot be read: {0}")]
-    Unreadable(String),
-    /// No built-in scene and no file has this name.
-    #[error("no such scene or file{}; built-in scenes: {}", suggestion(nearest), known.join(", "))]
-    UnknownScene {
-        /// Built-in name nearest to it, if near enough.
-        nearest: Option<String>,
-        /// Names of all built-in scenes.
-        known: Vec<String>,
-    },
-    /// Scenes extend each other in a circle, or through too many files. Holds the largest number of scenes in a chain.
-    #[error("`extends` goes through more than {0} scenes: is it a circle?")]
-    ExtendsTooDeep(usize),
     /// The text is not valid TOML.
     #[error("TOML parse error at line {line}, column {column}: {message}")]
     Syntax {
@@ -110,137 +160,31 @@ pub enum FaultKind {
     /// A required key is missing. Holds the value expected, in words.
     #[error("is missing, expected {0}")]
     Missing(String),
-    /// Another type of TOML value.
-    #[error("{value} is {found}, expected {expected}")]
-    WrongType {
-        /// The value as written.
-        value: String,
-        /// Type of the value.
-        found: String,
-        /// Type expected, in words.
-        expected: String,
-    },
-    /// A number without a unit where one is needed, or a text without a unit of angle: `30`, or `900 1/min`.
-    #[error("{value} has no {unit}, expected {} ({}, ...)", expected.name, expected.units)]
-    NoUnit {
-        /// The value as written.
-        value: String,
-        /// What it does not have: `unit`, or `unit of angle`.
-        unit: &'static str,
-        /// The kind of quantity that belongs there.
-        expected: Kind,
-    },
-    /// A unit of angle where none belongs.
-    #[error("{value} has a unit of angle, expected {}", expected.name)]
-    AngleUnit {
-        /// The value as written.
-        value: String,
-        /// The kind of quantity that belongs there.
-        expected: Kind,
-    },
-    /// A unit of another kind.
-    #[error("{value} is {found}, expected {} ({})", expected.name, units(expected))]
-    WrongUnit {
-        /// The value as written.
-        value: String,
-        /// Dimension of the value.
-        found: Dimension,
-        /// The kind of quantity that belongs there.
-        expected: Kind,
-    },
-    /// Not an expression, or one whose dimensions do not fit.
-    #[error("{value}: {message}")]
-    Expression {
-        /// The value as written.
-        value: String,
-        /// Message of the evaluator.
-        message: String,
-        /// The piece of the value that cannot be read.
-        piece: Option<String>,
-    },
-    /// A number outside its range.
-    #[error("{value} is out of range, allowed: {allowed}")]
-    OutOfRange {
-        /// The value as written, or as a variable set it.
-        value: String,
-        /// Allowed range, in words.
-        allowed: String,
-    },
-    /// A text that is not the name of an accuracy.
-    #[error(transparent)]
-    Accuracy(AccuracyNameError),
-    /// A word that is not one of those known.
-    #[error("\"{value}\" is unknown{}; allowed: {}", suggestion(nearest), known.join(", "))]
-    UnknownWord {
-        /// The word as written.
-        value: String,
-        /// Allowed word nearest to it, if near enough.
-        nearest: Option<String>,
-        /// All allowed words.
-        known: Vec<String>,
-    },
-    /// A reference to a name that the scene does not have.
-    #[error(
-        "there is no {what} \"{value}\"{}; there {}",
-        suggestion(nearest),
-        if known.is_empty() { "is none".to_owned() } else { format!("are: {}", list(known)) }
-    )]
-    UnknownReference {
-        /// Kind of thing: body, point, joint, material, output, variable, quantity.
-        what: &'static str,
-        /// The name as written.
-        value: String,
-        /// Existing name nearest to it, if near enough.
-        nearest: Option<String>,
-        /// Names that exist.
-        known: Vec<String>,
-    },
-    /// A name that another row of the list has already.
-    #[error("the name \"{value}\" is taken, names of {what} are unique: change one of the two")]
-    Duplicate {
-        /// Path of the list.
-        what: String,
-        /// The name as written.
-        value: String,
-    },
-    /// A text that cannot be a name.
-    #[error("\"{value}\" cannot be a name: {reason}; use another one")]
-    BadName {
-        /// The name as written.
-        value: String,
-        /// Reason, as a clause.
-        reason: String,
-    },
-    /// Values that contradict each other.
-    #[error("{message}")]
-    Inconsistent {
-        /// The contradiction, in words.
-        message: String,
-    },
-    /// A random variable makes the scene invalid at one of its bounds, or at its 1e-6 or 1 - 1e-6 quantile.
-    #[error("at {value}, {} of this variable, the scene is invalid: {fault}; {}", end(*.hard), remedy(*.hard))]
-    BoundOutsidePhysics {
-        /// The bound or quantile, with its unit.
-        value: String,
-        /// True for a bound, false for a quantile.
-        hard: bool,
-        /// The fault of the scene at this value.
-        fault: String,
-    },
-    /// A sample or setting of the wrong length.
-    #[error("a sample of {found} values was given, the scene has {expected} random variables")]
-    SampleLength {
-        /// Number of values given.
-        found: usize,
-        /// Number of random variables of the scene.
-        expected: usize,
-    },
+    /// A value that is not of the kind or in the range expected, whatever it is the value of. Holds what is wrong, in words.
+    #[error("{0}")]
+    OfAValue(String),
+    /// Not an expression, or one whose dimensions do not fit. Holds value and message, and the piece of the value that cannot be read.
+    #[error("{0}")]
+    Expression(String, Option<String>),
+    /// A reference to a name that the scene does not have. Holds the kind of thing (body, point, joint, material, output, variable,
+    /// quantity), and the name with those that exist, in words.
+    #[error("there is no {0} {1}")]
+    UnknownReference(&'static str, String),
+    /// A name that another row of the list has already. Holds the path of the list, and the name as written.
+    #[error("the name \"{1}\" is taken, names of {0} are unique: change one of the two")]
+    Duplicate(String, String),
+    /// A text that cannot be a name. Holds the name as written, and the reason as a clause.
+    #[error("\"{0}\" cannot be a name: {1}; use another one")]
+    BadName(String, &'static str),
+    /// Values that contradict each other, or what else is wrong, in words.
+    #[error("{0}")]
+    Inconsistent(String),
 }
 
 /// A contradiction, in words.
 impl From<String> for FaultKind {
     fn from(message: String) -> Self {
-        Self::Inconsistent { message }
+        Self::Inconsistent(message)
     }
 }
 
@@ -265,8 +209,9 @@ impl FaultKind {
 
     /// A word that is none of those `known`.
     pub fn unknown_word<'n>(word: &str, known: impl Iterator<Item = &'n str> + Clone) -> Self {
-        let (nearest, known) = (nearest(word, known.clone()), known.map(str::to_owned).collect());
-        Self::UnknownWord { value: word.to_owned(), nearest, known }
+        let meant = suggestion(&nearest(word, known.clone()));
+        let known: Vec<&str> = known.collect();
+        format!("\"{word}\" is unknown{meant}; allowed: {}", known.join(", ")).into()
     }
 
     /// A name that is none of those `known`, of a kind of thing.
@@ -275,41 +220,50 @@ impl FaultKind {
         name: &str,
         known: impl Iterator<Item = &'n str> + Clone,
     ) -> Self {
-        let (nearest, known) = (nearest(name, known.clone()), known.map(str::to_owned).collect());
-        Self::UnknownReference { what, value: name.to_owned(), nearest, known }
+        Self::unknown_near(what, name, &nearest(name, known.clone()), &known.collect::<Vec<_>>())
+    }
+
+    /// A name that is none of those `known`, of a kind of thing; `nearest` is the one that is likely meant.
+    pub(super) fn unknown_near(
+        what: &'static str,
+        name: &str,
+        nearest: &Option<String>,
+        known: &[&str],
+    ) -> Self {
+        // At most twelve of them.
+        const SHOWN: usize = 12;
+        let known = match known.len().checked_sub(SHOWN) {
+            None if known.is_empty() => "is none".to_owned(),
+            None | Some(0) => format!("are: {}", known.join(", ")),
+            Some(more) => format!("are: {} and {more} more", known[..SHOWN].join(", ")),
+        };
+        Self::UnknownReference(what, format!("\"{name}\"{}; there {known}", suggestion(nearest)))
+    }
+
+    /// A value whose dimension is not that of the kind expected; `found` says what it is.
+    pub(super) fn wrong_unit(value: impl Display, found: Dimension, expected: Kind) -> Self {
+        let Kind { name, units, .. } = expected;
+        let units = if units.is_empty() { "no unit".to_owned() } else { format!("{units}, ...") };
+        Self::OfAValue(format!("{value} is {found}, expected {name} ({units})"))
+    }
+
+    /// A value that is not in its range.
+    pub(super) fn out_of_range(value: impl Display, allowed: impl Display) -> Self {
+        Self::OfAValue(format!("{value} is out of range, allowed: {allowed}"))
     }
 
     /// What [`Fault::used_at`] points to, in words.
     pub(super) fn related(&self) -> &'static str {
         match self {
-            Self::Duplicate { .. } | Self::Syntax { .. } => "first at",
+            Self::Duplicate(..) | Self::Syntax { .. } => "first at",
             _ => "used at",
         }
     }
-
-    /// True if a value is not of the kind or in the range expected, whatever it is the value of.
-    pub(super) fn is_of_a_value(&self) -> bool {
-        matches!(
-            self,
-            Self::WrongUnit { .. } | Self::NoUnit { .. } | Self::AngleUnit { .. } | Self::OutOfRange { .. }
-        )
-    }
 }
 
-fn suggestion(nearest: &Option<String>) -> String {
+/// The question whether the nearest name is meant, if there is one.
+pub(super) fn suggestion(nearest: &Option<String>) -> String {
     nearest.as_ref().map(|name| format!(", did you mean \"{name}\"?")).unwrap_or_default()
-}
-
-fn end(hard: bool) -> &'static str {
-    if hard { "a bound" } else { "a 1e-6 tail quantile" }
-}
-
-fn remedy(hard: bool) -> &'static str {
-    if hard {
-        "use a smaller std or truncation, or lower and upper"
-    } else {
-        "use a smaller std, or a distribution with bounds"
-    }
 }
 
 fn in_lines(faults: &[Fault]) -> String {
@@ -319,19 +273,6 @@ fn in_lines(faults: &[Fault]) -> String {
             many.iter().fold(format!("{} faults", many.len()), |text, fault| format!("{text}\n  {fault}"))
         }
     }
-}
-
-/// The names that exist, at most twelve of them.
-fn list(names: &[String]) -> String {
-    const SHOWN: usize = 12;
-    match names.len().checked_sub(SHOWN) {
-        None | Some(0) => names.join(", "),
-        Some(more) => format!("{} and {more} more", names[..SHOWN].join(", ")),
-    }
-}
-
-fn units(kind: &Kind) -> String {
-    if kind.units.is_empty() { "no unit".to_owned() } else { format!("{}, ...", kind.units) }
 }
 
 /// The name of `known` nearest to `name`, if near enough for a typing error.

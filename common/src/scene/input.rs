@@ -1,6 +1,6 @@
 //! Files that people write besides scenes, TOML or CSV: read by the same [`Section`]s, with all faults at once, each with its line.
 
-use super::context::{Context, Overrides};
+use super::context::{Context, NONE};
 use super::csv_file::{CsvRow, csv_rows};
 use super::document::document;
 use super::extends::read_input as read;
@@ -51,8 +51,7 @@ impl InputFile {
     /// # Errors
     /// All faults, with their places.
     pub fn read<T>(&self, reader: impl FnOnce(&mut Section) -> T) -> Result<T, Faults> {
-        let none = Overrides::new();
-        let cx = Context::new(self.origin(), &none);
+        let cx = Context::new(self.origin(), &NONE);
         let mut file = Section::new(&cx, "", &self.document);
         let read = reader(&mut file);
         file.finish();
@@ -92,8 +91,7 @@ pub fn read_rows<T>(
         cells.map(|(column, cell)| ((*column).to_owned(), cell.text.into())).collect()
     };
     let tables: Vec<Table> = rows.iter().map(table).collect();
-    let none = Overrides::new();
-    let cx = Context::new(file, &none);
+    let cx = Context::new(file, &NONE);
     let (expected, names) = (columns.len(), columns.join(", "));
     if rows.is_empty() {
         cx.inconsistent("", format!("the file has no row; expected lines of {names}"));

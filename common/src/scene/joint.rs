@@ -95,22 +95,20 @@ impl JointKind {
 
     /// The words of the kind.
     pub fn words(&self) -> JointWords {
-        match self {
-            JointKind::Revolute => Self::WORDS[0],
-            JointKind::Prismatic { .. } => Self::WORDS[1],
-            JointKind::Fixed { .. } => Self::WORDS[2],
-            JointKind::Clearance(_) => Self::WORDS[3],
-            JointKind::Guide(_) => Self::WORDS[4],
-            JointKind::Slot { .. } => Self::WORDS[5],
-            JointKind::LinearDrive(_) => Self::WORDS[6],
-            JointKind::Mesh(mesh) => match mesh.form {
-                MeshForm::Gear => Self::WORDS[7],
-                MeshForm::InternalGear => Self::WORDS[8],
-                MeshForm::Belt => Self::WORDS[9],
-                MeshForm::Rack => Self::WORDS[10],
-            },
-            JointKind::Cam { .. } => Self::WORDS[11],
-        }
+        Self::WORDS[match self {
+            JointKind::Revolute => 0,
+            JointKind::Prismatic { .. } => 1,
+            JointKind::Fixed { .. } => 2,
+            JointKind::Clearance(_) => 3,
+            JointKind::Guide(_) => 4,
+            JointKind::Slot { .. } => 5,
+            JointKind::LinearDrive(_) => 6,
+            JointKind::Mesh(Mesh { form: MeshForm::Gear, .. }) => 7,
+            JointKind::Mesh(Mesh { form: MeshForm::InternalGear, .. }) => 8,
+            JointKind::Mesh(Mesh { form: MeshForm::Belt, .. }) => 9,
+            JointKind::Mesh(Mesh { form: MeshForm::Rack, .. }) => 10,
+            JointKind::Cam { .. } => 11,
+        }]
     }
 
     /// True for a joint with clearance, a journal in its bushing or a slider in its guide; false for an ideal one.
@@ -261,26 +259,13 @@ pub enum WearingSurfaces {
 }
 
 impl WearingSurfaces {
-    /// Every choice of wearing surfaces.
-    pub const ALL: [WearingSurfaces; 3] = [Self::Bushing, Self::Journal, Self::Both];
+    /// Words of the choices for a hinge in a scene file.
+    pub const OF_HINGE: [(&'static str, Self); 3] =
+        [("bushing", Self::Bushing), ("journal", Self::Journal), ("both", Self::Both)];
 
-    /// Word of the choice in a scene file.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Bushing => "bushing",
-            Self::Journal => "journal",
-            Self::Both => "both",
-        }
-    }
-
-    /// Word of the choice for a guide in a scene file.
-    pub fn guide_name(self) -> &'static str {
-        match self {
-            Self::Bushing => "guide",
-            Self::Journal => "slider",
-            Self::Both => "both",
-        }
-    }
+    /// Words of the choices for a guide in a scene file.
+    pub const OF_GUIDE: [(&'static str, Self); 3] =
+        [("guide", Self::Bushing), ("slider", Self::Journal), ("both", Self::Both)];
 
     /// Wear coefficients of both surfaces of a joint, the bushing's first, from that of the joint and that of a journal which wears too,
     /// zero for a surface that does not wear `(2,)` [1/Pa].
@@ -310,13 +295,6 @@ choice! {
     /// Linear elastic (Winkler) foundation along the bore.
     "foundation" => Foundation
         "elastic foundation along the bore; stays conservative as the bore wears, with more worn volume than K F s on wide arcs"
-}
-
-impl ContactLaw {
-    /// Name of the law in a scene file.
-    pub fn name(self) -> &'static str {
-        self.word()
-    }
 }
 
 /// Dissipation of the contact.

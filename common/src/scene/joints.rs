@@ -46,7 +46,7 @@ pub(super) fn joints(file: &mut Section, bodies: &[BodyRow], materials: &[Materi
         let (unworn, joint) = joint(&mut row, name, bodies, materials);
         row.finish();
         if defaults.is_some() {
-            known.extend(row.known());
+            known.extend(&row.known);
         }
         joints.push(JointRow { name: name.to_owned(), unworn, joint });
     }
@@ -82,10 +82,10 @@ fn joint(
         }
         "slot" => angle("axis").map(|axis| JointKind::Slot { axis }),
         "linear-drive" => linear_drive(row).map(JointKind::LinearDrive),
-        "gear" => mesh(row, MeshForm::Gear, bodies, places).map(JointKind::Mesh),
-        "internal-gear" => mesh(row, MeshForm::InternalGear, bodies, places).map(JointKind::Mesh),
-        "belt" => mesh(row, MeshForm::Belt, bodies, places).map(JointKind::Mesh),
-        "rack" => mesh(row, MeshForm::Rack, bodies, places).map(JointKind::Mesh),
+        "gear" => mesh(row, MeshForm::Gear, bodies, places),
+        "internal-gear" => mesh(row, MeshForm::InternalGear, bodies, places),
+        "belt" => mesh(row, MeshForm::Belt, bodies, places),
+        "rack" => mesh(row, MeshForm::Rack, bodies, places),
         "cam" => cam(row, bodies, places),
         _ => {
             unworn = row.peek("wears").is_none().then_some("is a guide without the key wears");
@@ -98,15 +98,9 @@ fn joint(
     {
         row.inconsistent_table(format!("{first} and {second} are on the same body"));
     }
-    let read = || {
-        Some(Joint {
-            name: name.to_owned(),
-            journal: journal?,
-            bushing: bushing?,
-            kind: kind?,
-            friction: friction?,
-        })
-    };
+    let name = name.to_owned();
+    let read =
+        || Some(Joint { name, journal: journal?, bushing: bushing?, kind: kind?, friction: friction? });
     (unworn, read())
 }
 
@@ -171,13 +165,15 @@ type Places = [Attachment; 2];
 fn start(body: &BodyRow) -> Option<([f64; 2], f64)> {
     Some(match body.motion.as_ref()? {
         Motion::Fixed => ([0.0; 2], 0.0),
-        Motion::Free { start_position, start_angle, .. } => (*start_position, *start_angle),
-        Motion::Driven { position, drive, .. } => match drive {
-            Drive::ConstantSpeed { start_angle, .. } | Drive::Speed { start_angle, .. } => {
-                (*position, *start_angle)
-            }
-            Drive::Angle(table) => (*position, monotone_value(table, 0.0)),
-        },
+        Motion::Driven { position, drive: Drive::Angle(table), .. } => {
+            (*position, monotone_value(table, 0.0))
+        }
+        Motion::Driven {
+            position,
+            drive: Drive::ConstantSpeed { start_angle, .. } | Drive::Speed { start_angle, .. },
+            ..
+        }
+        | Motion::Free { start_position: position, start_angle, .. } => (*position, *start_angle),
     })
 }
 
@@ -199,7 +195,7 @@ pub(super) fn mesh(
     form: MeshForm,
     bodies: &[BodyRow],
     places: Option<Places>,
-) -> Option<Mesh> {
+) -> Option<JointKind> {
     let radius = |row: &mut Section, key| row.quantity(key, LENGTH, Range::Positive);
     let is_rack = form == MeshForm::Rack;
     let radii = match is_rack {
@@ -213,19 +209,18 @@ pub(super) fn mesh(
     };
     let (radii, axis, pressure) = (radii?, axis?, pressure?);
     if pressure.abs() > LARGEST_PRESSURE_ANGLE {
-        row.out_of_range("pressure_angle", format!("{:.1} deg", pressure.to_degrees()), "-45 deg to 45 deg");
-        return None;
+        let found = format!("{:.1} deg", pressure.to_degrees());
+        return row.out_of_range("pressure_angle", found, "-45 deg to 45 deg").and(None);
     }
     let (d, angles) = start_of(bodies, &places?)?;
     let [of_a, of_b] = radii;
     let distance = d[0].hypot(d[1]);
     if form == MeshForm::InternalGear && of_a == of_b {
-        row.inconsistent_table("radius_a and radius_b are equal: one wheel does not fit into the other");
-        return None;
+        let message = "radius_a and radius_b are equal: one wheel does not fit into the other";
+        return row.inconsistent_table(message).and(None);
     }
     if distance == 0.0 && !is_rack {
-        row.inconsistent_table("the centres of a and b coincide at the start");
-        return None;
+        return row.inconsistent_table("the centres of a and b coincide at the start").and(None);
     }
     // Direction of the line from a to b, and of the motion of the rack.
     let centres = (-d[1]).atan2(-d[0]);
@@ -248,7 +243,7 @@ pub(super) fn mesh(
     };
     let (direction, arms) = (along(direction), arms.map(|arm| arm * pressure.cos()));
     let value = direction[0] * d[0] + direction[1] * d[1] + arms[0] * angles[0] + arms[1] * angles[1];
-    Some(Mesh { form, radii, pressure_angle: pressure, direction, arms, value })
+    Some(JointKind::Mesh(Mesh { form, radii, pressure_angle: pressure, direction, arms, value }))
 }
 
 /// Reads the distance of the places of a linear drive: by a table over time, or at a constant speed.
@@ -262,8 +257,8 @@ pub(super) fn linear_drive(row: &mut Section) -> Option<Drive> {
         return match table.value.iter().position(|length| *length <= 0.0) {
             None => Some(Drive::Angle(table)),
             Some(k) => {
-                row.out_of_range(&format!("length.value.{}", k + 1), format!("{} m", table.value[k]), "> 0");
-                None
+                let (key, value) = (format!("length.value.{}", k + 1), format!("{} m", table.value[k]));
+                row.out_of_range(&key, value, "> 0").and(None)
             }
         };
     }
@@ -279,8 +274,8 @@ pub(super) fn cam(row: &mut Section, bodies: &[BodyRow], places: Option<Places>)
     let (axis, Curve { over, table }, [_, cam]) = (axis?, lift?, places?);
     if over != Over::Angle(cam.body) {
         let cam = &bodies[cam.body].name;
-        row.inconsistent("lift", format!("is a curve over the angle of b: over = {{ angle = \"{cam}\" }}"));
-        return None;
+        let message = format!("is a curve over the angle of b: over = {{ angle = \"{cam}\" }}");
+        return row.inconsistent("lift", message).and(None);
     }
     Some(JointKind::Cam { direction: [axis.cos(), axis.sin()], lift: table })
 }

@@ -30,8 +30,7 @@ fn value(row: &mut Section, key: &Key, Named { bodies, joints }: Named) -> Optio
         Form::Place => place(row, name, bodies)?.into(),
         Form::FreePlace => {
             let at = place(row, name, bodies)?;
-            moves(row, name, bodies, at.body, MotionWord::Free)?;
-            at.into()
+            moves(row, name, bodies, at.body, MotionWord::Free).map(|_| at)?.into()
         }
         Form::Body => body(row, name, bodies)?.into(),
         Form::FreeBody => moving_body(row, name, bodies, MotionWord::Free)?.into(),
@@ -73,8 +72,7 @@ fn direction(row: &mut Section, key: &'static str) -> Option<[f64; 2]> {
     let [x, y] = row.pair(key, NUMBER)?;
     let length = (x * x + y * y).sqrt();
     if length == 0.0 || !length.is_finite() {
-        row.out_of_range(key, format!("[{x}, {y}]"), "a direction, e.g. [0, 1]");
-        return None;
+        return row.out_of_range(key, format!("[{x}, {y}]"), "a direction, e.g. [0, 1]").and(None);
     }
     Some([x / length, y / length])
 }
@@ -94,8 +92,7 @@ fn factor(row: &mut Section, key: &'static str, bodies: &[BodyRow]) -> Option<Op
     let factor = curve_if_any(row, key, NUMBER, bodies)?;
     let least = factor.as_ref().map_or(0.0, |factor| factor.table.range()[0]);
     if least < 0.0 {
-        row.out_of_range(&format!("{key}.value"), least.to_string(), ">= 0: a drag slows down");
-        return None;
+        return row.out_of_range(&format!("{key}.value"), least, ">= 0: a drag slows down").and(None);
     }
     Some(factor)
 }
@@ -103,21 +100,19 @@ fn factor(row: &mut Section, key: &'static str, bodies: &[BodyRow]) -> Option<Op
 /// Reads the name of a body that moves in this way.
 fn moving_body(row: &mut Section, key: &'static str, bodies: &[BodyRow], word: MotionWord) -> Option<usize> {
     let found = body(row, key, bodies)?;
-    moves(row, key, bodies, found, word)?;
-    Some(found)
+    moves(row, key, bodies, found, word)
 }
 
-/// Checks that the body moves in the way that the output requires.
-fn moves(row: &Section, key: &str, bodies: &[BodyRow], body: usize, word: MotionWord) -> Option<()> {
+/// The body, if it moves in the way that the output requires.
+fn moves(row: &Section, key: &str, bodies: &[BodyRow], body: usize, word: MotionWord) -> Option<usize> {
     // The motion of a faulty body may be unknown; that fault has been recorded.
     if bodies[body].word? == word {
-        return Some(());
+        return Some(body);
     }
     let fitting = bodies.iter().filter(|other| other.word == Some(word)).map(|other| other.name.as_str());
     let there_are = listed(fitting);
     let in_words = if word == MotionWord::Free { "free" } else { "driven" };
-    row.inconsistent(key, format!("body \"{}\" is not {in_words}{there_are}", bodies[body].name));
-    None
+    row.inconsistent(key, format!("body \"{}\" is not {in_words}{there_are}", bodies[body].name)).and(None)
 }
 
 /// Reads where the drives are held, if that is given: `input_angle`, and `input` unless there is only one driven body; the outer `None` if it
@@ -126,25 +121,18 @@ fn held_input(row: &mut Section, bodies: &[BodyRow]) -> Option<Option<HeldInput>
     let input = row.if_any("input", |row, key| moving_body(row, key, bodies, MotionWord::Driven));
     if row.get("input_angle").is_none() {
         if row.get("input").is_some() {
-            row.missing("input_angle", "an angle at which the input is held");
-            return None;
+            return row.missing("input_angle", "an angle at which the input is held").and(None);
         }
         return Some(None);
     }
     let angle = row.quantity("input_angle", ANGLE, Range::Any);
-    if let Some(body) = input? {
-        return Some(Some(HeldInput { body, angle: angle? }));
-    }
     let mut driven = (0..bodies.len()).filter(|&body| bodies[body].word == Some(MotionWord::Driven));
-    match (driven.next(), driven.next()) {
-        (Some(only), None) => Some(Some(HeldInput { body: only, angle: angle? })),
-        (None, _) => {
-            row.inconsistent("input_angle", "there is no driven body that could be held");
-            None
-        }
+    match input?.map_or_else(|| (driven.next(), driven.next()), |body| (Some(body), None)) {
+        (Some(body), None) => Some(Some(HeldInput { body, angle: angle? })),
+        (None, _) => row.inconsistent("input_angle", "there is no driven body that could be held").and(None),
         (Some(_), Some(_)) => {
-            row.missing("input", "the name of the driven body that is held, since there are several");
-            None
+            let expected = "the name of the driven body that is held, since there are several";
+            row.missing("input", expected).and(None)
         }
     }
 }
@@ -192,10 +180,8 @@ fn worn_joints(row: &mut Section, quantity: WearQuantity, joints: &[JointRow]) -
         let surface = quantity.surface();
         row.inconsistent("joints", format!("there is no joint of which {surface} wears: see its key wears"));
     } else if chosen.is_empty() {
-        row.inconsistent(
-            "joints",
-            "there is no joint that wears, i.e. a hinge with clearance and without wear = false, or a guide with the key wears",
-        );
+        let message = "there is no joint that wears, i.e. a hinge with clearance and without wear = false, or a guide with the key wears";
+        row.inconsistent("joints", message);
     } else if row.cx.fault_count() == faults && chosen.iter().all(no_wear) {
         row.inconsistent("joints", "every wear_coefficient of these joints is 0: they do not wear");
     }
@@ -213,38 +199,34 @@ fn has_quantity(quantity: WearQuantity, wears: WearingSurfaces) -> bool {
 
 /// Surfaces that may wear of a joint that is not faulty, their word in the scene, and the wear coefficients of both `(2,)` [1/Pa].
 fn wearing(joint: &JointRow) -> Option<(WearingSurfaces, &'static str, [f64; 2])> {
-    match &joint.joint.as_ref()?.kind {
-        JointKind::Clearance(clearance) => {
-            Some((clearance.wears, clearance.wears.name(), clearance.wear_coefficients()))
+    let (words, wears, coefficients) = match &joint.joint.as_ref()?.kind {
+        JointKind::Clearance(joint) => (WearingSurfaces::OF_HINGE, joint.wears, joint.wear_coefficients()),
+        JointKind::Guide(joint) => {
+            (WearingSurfaces::OF_GUIDE, joint.wear.as_ref()?.wears, joint.wear_coefficients())
         }
-        JointKind::Guide(guide) => {
-            guide.wear.as_ref().map(|wear| (wear.wears, wear.wears.guide_name(), wear.coefficients()))
-        }
-        _ => None,
-    }
+        _ => return None,
+    };
+    let (word, _) = words.into_iter().find(|(_, choice)| *choice == wears)?;
+    Some((wears, word, coefficients))
 }
 
 /// Reads joints and guides with clearance, by default all of them.
 fn struck_joints(row: &mut Section, joints: &[JointRow]) -> Option<Vec<usize>> {
-    let has_clearance = |joint: &JointRow| {
-        // The kind of a faulty joint may be unknown; that fault has been recorded.
-        let joint = joint.joint.as_ref();
-        joint.is_none_or(|joint| joint.kind.has_clearance())
-    };
-    let with_clearance =
-        || joints.iter().filter(|joint| has_clearance(joint)).map(|joint| joint.name.as_str());
+    // The kind of a faulty joint may be unknown; that fault has been recorded.
+    let has_clearance =
+        |joint: &JointRow| joint.joint.as_ref().is_none_or(|joint| joint.kind.has_clearance());
+    let with_clearance = (0..joints.len()).filter(|&k| has_clearance(&joints[k]));
     let chosen: Vec<usize> = match row.get("joints") {
-        None => (0..joints.len()).filter(|&k| has_clearance(&joints[k])).collect(),
+        None => with_clearance.clone().collect(),
         Some(_) => chosen_joints(row, joints)?,
     };
     if chosen.is_empty() {
-        row.inconsistent("joints", "there is no joint with clearance");
-        return None;
+        return row.inconsistent("joints", "there is no joint with clearance").and(None);
     }
     if let Some(ideal) = chosen.iter().map(|&k| &joints[k]).find(|joint| !has_clearance(joint)) {
-        let there_are = listed(with_clearance());
-        row.inconsistent("joints", format!("joint \"{}\" has no clearance{there_are}", ideal.name));
-        return None;
+        let there_are = listed(with_clearance.map(|k| joints[k].name.as_str()));
+        let message = format!("joint \"{}\" has no clearance{there_are}", ideal.name);
+        return row.inconsistent("joints", message).and(None);
     }
     Some(chosen)
 }

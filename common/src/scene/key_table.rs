@@ -175,15 +175,6 @@ impl Value {
             _ => vec![],
         }
     }
-
-    /// The curves of the value, to be changed.
-    pub fn curves_mut(&mut self) -> Vec<&mut Curve> {
-        match self {
-            Value::Curve(curve) | Value::MaybeCurve(Some(curve)) => vec![curve],
-            Value::TwoCurves(curves) => curves.iter_mut().flatten().collect(),
-            _ => vec![],
-        }
-    }
 }
 
 /// Declares the type of an element from the table of its kinds.

@@ -24,6 +24,13 @@ pub(super) struct Layer {
     pub(super) imported: Vec<ImportedColumn>,
 }
 
+impl Layer {
+    /// Faults of this text alone, with the file and the place of each.
+    pub(super) fn located(&self, faults: Faults) -> Faults {
+        Layers(vec![self.clone()]).located(faults)
+    }
+}
+
 /// The text of a scene first, then those of the scenes that it extends.
 #[derive(Debug, Clone)]
 pub(super) struct Layers(pub(super) Vec<Layer>);
@@ -82,9 +89,8 @@ fn find<'t>(layers: &[ParsedLayer<'t>], path: &str) -> Option<Found<'t>> {
             Some(Found { file: &layer.file, source: &layer.text, trace })
         })
     };
-    let longer =
-        |best: Found<'t>, other: Found<'t>| if other.trace.found > best.trace.found { other } else { best };
-    layers.iter().filter_map(place).reduce(longer)
+    // Of equal ones `max_by_key` takes the last.
+    layers.iter().rev().filter_map(place).max_by_key(|found| found.trace.found)
 }
 
 fn locate(layers: &[ParsedLayer<'_>], mut fault: Fault) -> Fault {
@@ -100,18 +106,18 @@ fn locate(layers: &[ParsedLayer<'_>], mut fault: Fault) -> Fault {
         return fault;
     };
     let used = found.location(span_of(&found, &fault.kind));
-    if let FaultKind::Duplicate { what, value } = &fault.kind {
+    if let FaultKind::Duplicate(what, value) = &fault.kind {
         let first = find(layers, &format!("{what}.{value}"));
         fault.used_at = first.map(|first| Box::new(first.location(first.trace.value.clone())));
     }
-    let location =
-        match definition(layers, &found).filter(|_| found.trace.whole && fault.kind.is_of_a_value()) {
-            Some(definition) => {
-                fault.used_at = Some(Box::new(used));
-                definition.location(definition.trace.value.clone())
-            }
-            None => used,
-        };
+    let is_of_a_value = matches!(fault.kind, FaultKind::OfAValue(_));
+    let location = match definition(layers, &found).filter(|_| found.trace.whole && is_of_a_value) {
+        Some(definition) => {
+            fault.used_at = Some(Box::new(used));
+            definition.location(definition.trace.value.clone())
+        }
+        None => used,
+    };
     fault.file.clone_from(&location.file);
     fault.location = Some(Box::new(location));
     fault
@@ -119,19 +125,16 @@ fn locate(layers: &[ParsedLayer<'_>], mut fault: Fault) -> Fault {
 
 /// The bytes to point at: an unknown key itself, a key that cannot be a name, the piece of an expression that cannot be read, otherwise the value.
 fn span_of(found: &Found, kind: &FaultKind) -> Range<usize> {
+    // In quotes or without.
+    let key = found.source.get(found.trace.key.clone()).unwrap_or_default();
     match kind {
         FaultKind::UnknownKey { .. } if found.trace.whole => found.trace.key.clone(),
-        FaultKind::BadName { value, .. } if is_key(found, value) => found.trace.key.clone(),
-        FaultKind::Expression { piece: Some(piece), .. } if found.trace.whole => {
+        FaultKind::BadName(name, _) if key.trim_matches(['"', '\'']) == name => found.trace.key.clone(),
+        FaultKind::Expression(_, Some(piece)) if found.trace.whole => {
             piece_in(found.source, &found.trace.value, piece).unwrap_or_else(|| found.trace.value.clone())
         }
         _ => found.trace.value.clone(),
     }
-}
-
-/// Whether the key of a place is this name, in quotes or without.
-fn is_key(found: &Found, name: &str) -> bool {
-    found.source.get(found.trace.key.clone()).is_some_and(|key| key.trim_matches(['"', '\'']) == name)
 }
 
 /// The first place of a piece in a part of a text where it is no part of a longer word.
@@ -152,10 +155,9 @@ fn definition<'t>(layers: &[ParsedLayer<'t>], value: &Found) -> Option<Found<'t>
     let mut definition = None;
     for _ in 0..ALIAS_LIMIT {
         // A plain number names no other parameter.
-        let Some(parameter) = name.as_deref().map(str::trim).filter(|name| !name.is_empty()) else { break };
-        let Some(found) = find(layers, &format!("parameters.{parameter}")).filter(|f| f.trace.whole) else {
-            break;
-        };
+        let parameter = name.as_deref().map(str::trim).filter(|name| !name.is_empty());
+        let found = parameter.and_then(|parameter| find(layers, &format!("parameters.{parameter}")));
+        let Some(found) = found.filter(|found| found.trace.whole) else { break };
         name.clone_from(&found.trace.text);
         definition = Some(found);
     }

@@ -2,7 +2,7 @@
 
 use super::body_row::{BodyRow, MotionWord};
 use super::context::Range;
-use super::drive::{Curve, Drive, Over};
+use super::drive::{Curve, Drive, Over, Table};
 use super::elements::OutputRow;
 use super::faults::{FaultKind, in_first_unit};
 use super::joint::JointKind;
@@ -61,10 +61,9 @@ pub(super) fn life(
 fn turn(life: &Section, name: &str, bodies: &[BodyRow]) -> Option<(f64, Option<usize>)> {
     let body = life.reference("period", "body", name, bodies.iter().map(|body| body.name.as_str()))?;
     if let Some(driven) = bodies.iter().find(|body| body.word == Some(MotionWord::Driven)) {
-        let message =
-            format!("is a turn of a body, but the drive of {} sets the cycle: write a time", driven.name);
-        life.inconsistent("period", message);
-        return None;
+        let driven = &driven.name;
+        let message = format!("is a turn of a body, but the drive of {driven} sets the cycle: write a time");
+        return life.inconsistent("period", message).and(None);
     }
     match bodies[body].motion {
         Some(Motion::Free { start_speed: Some(speed), .. }) if speed != 0.0 => {
@@ -72,12 +71,11 @@ fn turn(life: &Section, name: &str, bodies: &[BodyRow]) -> Option<(f64, Option<u
         }
         Some(Motion::Free { .. }) => {
             let expected = "about the speed at which it turns once settled, since a turn of it is the cycle";
-            life.cx.fault(format!("bodies.{name}.start_speed"), FaultKind::Missing(expected.into()));
-            None
+            life.cx.fault(format!("bodies.{name}.start_speed"), FaultKind::Missing(expected.into())).and(None)
         }
         Some(_) => {
-            life.inconsistent("period", format!("is a turn of {name}, which does not turn: it is fixed"));
-            None
+            let message = format!("is a turn of {name}, which does not turn: it is fixed");
+            life.inconsistent("period", message).and(None)
         }
         // Its own fault comes first.
         None => None,
@@ -86,24 +84,19 @@ fn turn(life: &Section, name: &str, bodies: &[BodyRow]) -> Option<(f64, Option<u
 
 /// Linear drives with their names.
 fn strokes(joints: &[JointRow]) -> Vec<(&str, &Drive)> {
-    let joints = joints.iter().filter_map(|row| Some((row.name.as_str(), &row.joint.as_ref()?.kind)));
-    joints
-        .filter_map(|(name, kind)| match kind {
-            JointKind::LinearDrive(drive) => Some((name, drive)),
-            _ => None,
-        })
-        .collect()
+    let joints = joints.iter().filter_map(|row| Some((&*row.name, &row.joint.as_ref()?.kind)));
+    let drives = joints.filter_map(|(name, kind)| match kind {
+        JointKind::LinearDrive(drive) => Some((name, drive)),
+        _ => None,
+    });
+    drives.collect()
 }
 
 /// Checks that a linear drive repeats a whole number of times per cycle.
 fn check_stroke(life: &Section, period: f64, name: &str, drive: &Drive) {
     let key = format!("joints.{name}.length");
     match drive {
-        Drive::Angle(table) if table.repeat => {
-            if repetitions(period, span(table)).is_none() {
-                does_not_fit(life, period, &key, span(table));
-            }
-        }
+        Drive::Angle(table) if table.repeat => drop(check_fit(life, period, &key, span(table))),
         _ => {
             let message = format!(
                 "does not repeat, but the cycles follow each other: write a table that repeats, or see it once{ONCE}"
@@ -120,9 +113,7 @@ fn period_of_drive(life: &Section, bodies: &[BodyRow], strokes: &[(&str, &Drive)
         return None;
     }
     let driven: Vec<_> = bodies.iter().filter(|body| body.word == Some(MotionWord::Driven)).collect();
-    if let ([], [(_, Drive::Angle(table))]) = (&driven[..], strokes)
-        && table.repeat
-    {
+    if let ([], [(_, Drive::Angle(table @ Table { repeat: true, .. }))]) = (&driven[..], strokes) {
         return Some(span(table));
     }
     let expected = match driven[..] {
@@ -132,8 +123,7 @@ fn period_of_drive(life: &Section, bodies: &[BodyRow], strokes: &[(&str, &Drive)
         },
         _ => format!("a time: the scene has {} driven bodies, not one", driven.len()),
     };
-    life.missing("period", expected);
-    None
+    life.missing("period", expected).and(None)
 }
 
 /// Time after which a drive repeats itself [s].
@@ -157,10 +147,7 @@ fn check_drives(life: &Section, period: f64, bodies: &[BodyRow]) {
             life.cx.inconsistent(format!("{place}.{key_of}.repeat"), message);
             continue;
         };
-        let Some(times) = repetitions(period, every) else {
-            does_not_fit(life, period, &place, every);
-            continue;
-        };
+        let Some(times) = check_fit(life, period, &place, every) else { continue };
         let (advance, remedy) = match drive {
             Drive::ConstantSpeed { .. } => continue,
             Drive::Angle(table) => (table.value[table.value.len() - 1] - table.value[0], ""),
@@ -189,15 +176,15 @@ fn check_curves(life: &Section, period: f64, loads: &[Load], outputs: &[OutputRo
     });
     let repeated = |curve: &Curve| curve.over == Over::Time && curve.table.repeat;
     for (place, curve) in of_loads.chain(of_outputs).filter(|(_, curve)| repeated(curve)) {
-        let every = span(&curve.table);
-        if repetitions(period, every).is_none() {
-            does_not_fit(life, period, &place, every);
-        }
+        check_fit(life, period, &place, span(&curve.table));
     }
 }
 
-fn does_not_fit(life: &Section, period: f64, place: &str, every: f64) {
-    let [period, every] = [period, every].map(|time| in_first_unit(time, TIME));
-    let message = format!("a cycle of {period} is not a multiple of {every}, the period of {place}");
-    life.inconsistent("period", message);
+/// How often a repetition `every` so often fits into the period [s], if it does a whole number of times.
+fn check_fit(life: &Section, period: f64, place: &str, every: f64) -> Option<f64> {
+    repetitions(period, every).or_else(|| {
+        let [period, every] = [period, every].map(|time| in_first_unit(time, TIME));
+        let message = format!("a cycle of {period} is not a multiple of {every}, the period of {place}");
+        life.inconsistent("period", message).and(None)
+    })
 }

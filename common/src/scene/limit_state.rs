@@ -69,17 +69,13 @@ impl LimitState {
 
     /// The thresholds of the output, ascending.
     pub fn thresholds(&self) -> Vec<f64> {
-        match self.fails {
-            Fails::Above | Fails::Below => vec![self.threshold],
-            Fails::Outside { lower } => vec![lower, self.threshold],
-        }
+        let lower = if let Fails::Outside { lower } = self.fails { Some(lower) } else { None };
+        lower.into_iter().chain([self.threshold]).collect()
     }
 
     /// The middle between two thresholds, if there are two.
     pub fn middle(&self) -> Option<f64> {
-        match self.fails {
-            Fails::Above | Fails::Below => None,
-            Fails::Outside { lower } => Some(0.5 * (lower + self.threshold)),
-        }
+        let Fails::Outside { lower } = self.fails else { return None };
+        Some(0.5 * (lower + self.threshold))
     }
 }

@@ -6,10 +6,10 @@
 //!
 //! | layer | modules | content |
 //! |---|---|---|
-//! | values | [`quantity`], [`expression`], `expression_error`, `nearest_unit` | dimensions and units; evaluation of `"2 * arm + 1 mm"`, and why a text has no value |
+//! | values | [`quantity`], [`expression`], `expression_error` | dimensions and units; evaluation of `"2 * arm + 1 mm"`, and why a text has no value |
 //! | model | [`model`], `choice`, `joint`, `mesh`, `drive`, `key_table`, `load`, `output`, `output_values`, `wear_model`, `explained` | the types of a checked scene, all exported here |
-//! | faults | [`faults`], `location`, `layers`, `excerpts`, `unit_advice` | what is wrong, with file, line, column, key, value and allowed range |
-//! | reading | `document`, `extends`, `csv_file`, `csv_import`, `context`, `parameters`, `section`, `section_tables`, `input` | one pass over the file that records every fault |
+//! | faults | [`faults`], `location`, `layers`, `unit_advice` | what is wrong, with file, line, column, key, value and allowed range |
+//! | reading | `document`, `extends`, `csv_file`, `csv_import`, `context`, `section`, `section_tables`, `input` | one pass over the file that records every fault |
 //! | readers | `bodies`, `shape`, `joints`, `clearance`, `key_reading`, `elements`, `tables`, `life`, `simulator`, `variables`, `variable_law`, `conditions` | one part of a file each |
 //! | whole | `resolve`, `conditioned`, `edit`, `warnings`, `builtin`, [`source`], `setting` | all parts together; warnings; `extends`; changed texts; the built-in scenes and their published results; samples; values set by name |
 
@@ -27,7 +27,6 @@ mod document;
 mod drive;
 mod edit;
 mod elements;
-mod excerpts;
 mod explained;
 pub mod expression;
 mod expression_error;
@@ -49,11 +48,9 @@ pub mod model;
 mod model_tests;
 pub mod monotone;
 mod moved;
-mod nearest_unit;
 mod output;
 mod output_unit;
 mod output_values;
-mod parameters;
 pub mod quantity;
 mod resolve;
 mod section;

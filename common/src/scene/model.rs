@@ -285,6 +285,11 @@ pub struct Life {
 }
 
 impl Life {
+    /// A life with these checkpoints, whose cycles have no period yet.
+    pub(super) fn of_checkpoints(cycles: u32, checkpoint_every: u32) -> Self {
+        Life { period: 0.0, cycles, checkpoint_every, settle_cycles: 0, turn_of: None }
+    }
+
     /// The checkpoints `(m,)` [cycles]: `checkpoint_every` and its multiples up to `cycles`.
     pub fn checkpoints(&self) -> Vec<u32> {
         (1..=self.cycles / self.checkpoint_every).map(|k| k * self.checkpoint_every).collect()
@@ -325,12 +330,5 @@ impl StudySettings {
             max_evaluations: (10 * variables).max(600),
             seed: 1,
         }
-    }
-}
-
-impl Default for StudySettings {
-    /// The settings of a scene of few variables without `[study]`.
-    fn default() -> Self {
-        Self::for_variables(0)
     }
 }

@@ -26,11 +26,8 @@ impl Dimension {
 
     /// Dimension of a product.
     pub fn times(self, other: Self) -> Self {
-        Self::new(
-            self.kg.saturating_add(other.kg),
-            self.m.saturating_add(other.m),
-            self.s.saturating_add(other.s),
-        )
+        let Self { kg, m, s } = other;
+        Self::new(self.kg.saturating_add(kg), self.m.saturating_add(m), self.s.saturating_add(s))
     }
 
     /// Dimension of an integer power.
@@ -46,30 +43,26 @@ impl Dimension {
 
     /// The unit in SI base units, e.g. `kg m/s^2`; empty if there is no dimension.
     pub fn base_units(self) -> String {
-        let factor = |symbol: &str, n: i16| match n {
-            0 => None,
-            1 => Some(symbol.to_owned()),
-            n => Some(format!("{symbol}^{n}")),
+        let factors = |sign: i16| -> Vec<String> {
+            let factor = |(symbol, n): &(&str, i16)| match n.saturating_abs() {
+                1 => (*symbol).to_owned(),
+                n => format!("{symbol}^{n}"),
+            };
+            let all = [("kg", self.kg), ("m", self.m), ("s", self.s)];
+            all.iter().filter(|(_, n)| n.signum() == sign).map(factor).collect()
         };
-        let all = [("kg", self.kg), ("m", self.m), ("s", self.s)];
-        let above: Vec<_> = all.iter().filter(|(_, n)| *n > 0).filter_map(|(u, n)| factor(u, *n)).collect();
-        let below: Vec<_> =
-            all.iter().filter(|(_, n)| *n < 0).filter_map(|(u, n)| factor(u, n.saturating_neg())).collect();
+        let (above, below) = (factors(1).join(" "), factors(-1).join("/"));
         match (above.is_empty(), below.is_empty()) {
-            (true, true) => String::new(),
-            (false, true) => above.join(" "),
-            (true, false) => format!("1/{}", below.join("/")),
-            (false, false) => format!("{}/{}", above.join(" "), below.join("/")),
+            (_, true) => above,
+            (true, false) => format!("1/{below}"),
+            (false, false) => format!("{above}/{below}"),
         }
     }
 
     /// The usual SI unit, e.g. `N` for a force.
     pub fn si_unit(self) -> String {
-        KINDS
-            .iter()
-            .find(|kind| kind.dimension == self)
-            .map(|kind| kind.si.to_owned())
-            .unwrap_or_else(|| self.base_units())
+        let kind = KINDS.iter().find(|kind| kind.dimension == self);
+        kind.map_or_else(|| self.base_units(), |kind| kind.si.to_owned())
     }
 }
 

@@ -50,15 +50,15 @@ pub(super) fn resolve(
     if let Some(parameters) = file.get("parameters") {
         match parameters.as_table() {
             Some(table) => cx.read_parameters(table),
-            None => file.wrong_type("parameters", parameters, "a table"),
+            None => drop(file.wrong_type("parameters", parameters, "a table")),
         }
     }
     let variables_written = document.get("variables").and_then(toml::Value::as_array).map_or(0, Vec::len);
     let parts = Parts::read(&mut file, variables_written);
-    let conditions = match parts.changes() {
-        Changes::Required | Changes::Optional => condition_rows(&mut file, parts.model.life.as_ref()),
-        Changes::None => Vec::new(),
-    };
+    let mut conditions = Vec::new();
+    if parts.changes() != Changes::None {
+        conditions = condition_rows(&mut file, parts.model.life.as_ref());
+    }
     // The parameters of a variable or a correlation are no quantities of the scene that an override could set.
     let seen = cx.seen.take();
     let scene = Changed { may: parts.changes(), seen: &seen, is_faulty: cx.fault_count() > 0 };
@@ -81,8 +81,7 @@ pub(super) fn resolve(
     }
     match parts.scene() {
         Some(scene) if cx.fault_count() == 0 => {
-            let (variables, measured): (Vec<_>, Vec<_>) =
-                read.into_iter().filter_map(|(_, read)| read).unzip();
+            let (variables, measured): (_, Vec<_>) = read.into_iter().filter_map(|(_, read)| read).unzip();
             let mut scene = Scene { variables, correlations: correlated, ..scene };
             scene.units.add_limits(&scene.outputs, &scene.limit_states, document);
             let measured = measured.into_iter().flatten().collect();
@@ -100,9 +99,6 @@ pub(super) fn resolve(
 
 /// The faults without those of references where a name of the same list is given twice: it is the one that they miss.
 fn without_followers(mut faults: Vec<Fault>) -> Vec<Fault> {
-    let twice = |list: &str, faults: &[Fault]| {
-        faults.iter().any(|fault| matches!(&fault.kind, FaultKind::Duplicate { what, .. } if what == list))
-    };
     for (list, missed) in [
         ("bodies", &["body", "point", "quantity"][..]),
         ("joints", &["joint", "quantity"]),
@@ -110,10 +106,10 @@ fn without_followers(mut faults: Vec<Fault>) -> Vec<Fault> {
         ("outputs", &["output"]),
         ("variables", &["random variable"]),
     ] {
-        if twice(list, &faults) {
-            faults.retain(|fault| {
-                !matches!(&fault.kind, FaultKind::UnknownReference { what, .. } if missed.contains(what))
-            });
+        let is_twice = |fault: &Fault| matches!(&fault.kind, FaultKind::Duplicate(what, _) if what == list);
+        let follows = |fault: &Fault| matches!(fault.kind, FaultKind::UnknownReference(what, _) if missed.contains(&what));
+        if faults.iter().any(is_twice) {
+            faults.retain(|fault| !follows(fault));
         }
     }
     faults
@@ -209,10 +205,9 @@ fn mechanism(file: &mut Section) -> Model {
 
 /// Checks that all outputs at all checkpoints fit into a worker's message.
 fn check_size(file: &Section, life: &Life, outputs: usize) {
-    let checkpoints = (life.cycles / life.checkpoint_every) as usize;
-    if checkpoints * outputs > VALUE_LIMIT {
-        let message =
-            format!("{checkpoints} checkpoints of {outputs} outputs are more than {VALUE_LIMIT} values");
+    let count = (life.cycles / life.checkpoint_every) as usize;
+    if count * outputs > VALUE_LIMIT {
+        let message = format!("{count} checkpoints of {outputs} outputs are more than {VALUE_LIMIT} values");
         file.inconsistent("life.checkpoint_every", message);
     }
 }
@@ -282,12 +277,11 @@ fn levels(section: &mut Section) -> Option<Levels> {
     const LIST: &str =
         "one to three names of accuracies, from the coarsest to the finest, e.g. [\"draft\", \"balanced\"]";
     let (has_accuracy, has_levels) = (section.get("accuracy").is_some(), section.get("levels").is_some());
-    let single = if has_accuracy || !has_levels {
+    let mut single = None;
+    if has_accuracy || !has_levels {
         let name = section.text_or("accuracy", EXPECTED, "balanced")?;
-        Some(accuracy(section, "accuracy", name)?)
-    } else {
-        None
-    };
+        single = Some(accuracy(section, "accuracy", name)?);
+    }
     if !has_levels {
         return Some((single?, vec![]));
     }
@@ -295,12 +289,11 @@ fn levels(section: &mut Section) -> Option<Levels> {
     let named = names.iter().map(|name| accuracy(section, "levels", name));
     let levels: Vec<NamedAccuracy> = named.collect::<Option<_>>()?;
     match LevelsError::of(&levels) {
-        Some(error) => section.inconsistent("levels", error.to_string()),
-        None => return Some((single.unwrap_or_else(|| levels[0].clone()), levels)),
+        Some(error) => section.inconsistent("levels", error.to_string()).and(None),
+        None => Some((single.unwrap_or_else(|| levels[0].clone()), levels)),
     }
-    None
 }
 
 fn accuracy(section: &Section, key: &str, name: &str) -> Option<NamedAccuracy> {
-    name.parse().map_err(|error: AccuracyNameError| section.fault(key, FaultKind::Accuracy(error))).ok()
+    name.parse().map_err(|error: AccuracyNameError| section.inconsistent(key, error.to_string())).ok()
 }

@@ -1,14 +1,16 @@
 //! One table of a file while it is read: its values by key, and at the end a fault for every key that was not
-//! read. What is wrong is recorded in the context of the pass; a method then returns `None` and reading continues.
+//! read. What is wrong is recorded in the context of the pass; a method then returns `None` and reading continues. What records a
+//! fault returns `None` too, so that a reader gives `.and(None)` of it in the place of its value.
 
 use super::context::{Context, Range};
 use super::faults::{FaultKind, Faults, nearest};
 use super::quantity::Kind;
+use std::fmt::Display;
 use std::ops::RangeInclusive;
 use toml::{Table, Value};
 
-/// Pairs of keys of which a table has one.
-const EITHER: [[&str; 2]; 1] = [["radial_clearance", "bushing_radius"]];
+/// Keys of which a table has one.
+const EITHER: [&str; 2] = ["radial_clearance", "bushing_radius"];
 
 /// A table with its path, and the context of the pass that reads it.
 pub struct Section<'s> {
@@ -20,9 +22,9 @@ pub struct Section<'s> {
     /// Table with the values of keys that this one does not have.
     pub(super) defaults: Option<&'s Table>,
     /// Keys that this table may have, as far as they were read.
-    known: Vec<&'static str>,
-    /// True if the type of the table is unknown, and with it the keys that it may have.
-    given_up: bool,
+    pub(super) known: Vec<&'static str>,
+    /// True if a fault has left open which keys the table may have: they are not checked.
+    pub(super) given_up: bool,
 }
 
 /// Keys and faults.
@@ -37,8 +39,8 @@ impl<'s> Section<'s> {
     }
 
     /// Records a fault at a key.
-    pub fn fault(&self, key: &str, kind: FaultKind) {
-        self.cx.fault(self.key(key), kind);
+    pub fn fault(&self, key: &str, kind: FaultKind) -> Option<()> {
+        self.cx.fault(self.key(key), kind)
     }
 
     /// Number of faults of the file so far.
@@ -52,34 +54,34 @@ impl<'s> Section<'s> {
     }
 
     /// Records that the value of a key contradicts something.
-    pub fn inconsistent(&self, key: &str, message: impl Into<String>) {
-        self.cx.inconsistent(self.key(key), message);
+    pub fn inconsistent(&self, key: &str, message: impl Into<String>) -> Option<()> {
+        self.cx.inconsistent(self.key(key), message)
     }
 
     /// Records that keys of this table contradict each other.
-    pub(super) fn inconsistent_table(&self, message: impl Into<String>) {
-        self.cx.inconsistent(&self.path, message);
+    pub(super) fn inconsistent_table(&self, message: impl Into<String>) -> Option<()> {
+        self.cx.inconsistent(&self.path, message)
     }
 
     /// Records that a value is not in its range.
-    pub fn out_of_range(&self, key: &str, value: impl Into<String>, allowed: impl Into<String>) {
-        self.fault(key, FaultKind::OutOfRange { value: value.into(), allowed: allowed.into() });
+    pub fn out_of_range(&self, key: &str, value: impl Display, allowed: impl Display) -> Option<()> {
+        self.fault(key, FaultKind::out_of_range(value, allowed))
     }
 
     /// Records that a key is missing.
-    pub fn missing(&self, key: &str, expected: impl Into<String>) {
-        self.fault(key, FaultKind::Missing(expected.into()));
+    pub fn missing(&self, key: &str, expected: impl Into<String>) -> Option<()> {
+        self.fault(key, FaultKind::Missing(expected.into()))
     }
 
     /// Records that a value has another type of TOML value.
-    pub fn wrong_type(&self, key: &str, value: &Value, expected: impl Into<String>) {
-        self.cx.wrong_type(&self.key(key), value, expected.into());
+    pub fn wrong_type(&self, key: &str, value: &Value, expected: impl Into<String>) -> Option<()> {
+        self.cx.wrong_type(&self.key(key), value, expected.into())
     }
 
     /// Records that a quantity is not in the range that another one sets.
-    pub(super) fn refuse(&self, key: &str, value: f64, kind: Kind, allowed: String) {
+    pub(super) fn refuse(&self, key: &str, value: f64, kind: Kind, allowed: String) -> Option<()> {
         let written = self.peek(key).expect("the value was read");
-        self.out_of_range(key, self.cx.shown(&self.key(key), written, value, kind), allowed);
+        self.out_of_range(key, self.cx.shown(&self.key(key), written, value, kind), allowed)
     }
 
     /// Index of `name` among `known`, or a fault at `key` with the nearest of them.
@@ -91,10 +93,7 @@ impl<'s> Section<'s> {
         known: impl Iterator<Item = &'n str> + Clone,
     ) -> Option<usize> {
         let found = known.clone().position(|candidate| candidate == name);
-        if found.is_none() {
-            self.fault(key, FaultKind::unknown_reference(what, name, known));
-        }
-        found
+        found.or_else(|| self.fault(key, FaultKind::unknown_reference(what, name, known)).and(None))
     }
 
     /// [`Section::reference`]; after a fault the index of the nearest name, with which what depends on it is read on.
@@ -124,16 +123,9 @@ impl<'s> Section<'s> {
         self.table.get(key).or_else(|| self.defaults?.get(key).filter(|_| !self.excludes(key)))
     }
 
-    /// True if the table has the other key of a pair of which a row has one, so that there is no default for this one.
+    /// True if the table has the other key of two of which a row has one, so that there is no default for this one.
     fn excludes(&self, key: &str) -> bool {
-        let other =
-            EITHER.iter().find(|pair| pair.contains(&key)).map(|pair| pair[usize::from(pair[0] == key)]);
-        other.is_some_and(|other| self.table.contains_key(other))
-    }
-
-    /// Keys that this table may have, as far as they were read.
-    pub(super) fn known(&self) -> &[&'static str] {
-        &self.known
+        EITHER.contains(&key) && EITHER.iter().any(|other| *other != key && self.table.contains_key(*other))
     }
 
     pub(super) fn require(
@@ -141,16 +133,7 @@ impl<'s> Section<'s> {
         key: &'static str,
         expected: impl FnOnce() -> String,
     ) -> Option<&'s Value> {
-        let value = self.get(key);
-        if value.is_none() {
-            self.missing(key, expected());
-        }
-        value
-    }
-
-    /// Stops checking which keys the table may have: a fault has left that open.
-    pub(super) fn give_up(&mut self) {
-        self.given_up = true;
+        self.get(key).or_else(|| self.missing(key, expected()).and(None))
     }
 
     /// Every key of this table with its value, where the keys are names.
@@ -180,6 +163,36 @@ impl<'s> Section<'s> {
     /// A quantity with a default.
     pub fn quantity_or(&mut self, key: &'static str, kind: Kind, range: Range, default: f64) -> Option<f64> {
         Some(self.quantity_if_any(key, kind, range)?.unwrap_or(default))
+    }
+
+    /// A quantity with a default, required without one.
+    pub(super) fn quantity_unless(
+        &mut self,
+        key: &'static str,
+        kind: Kind,
+        range: Range,
+        default: Option<f64>,
+    ) -> Option<f64> {
+        match default {
+            Some(default) => self.quantity_or(key, kind, range, default),
+            None => self.quantity(key, kind, range),
+        }
+    }
+
+    /// The one of two keys that the table has; a fault with what is `expected` if it has neither.
+    pub(super) fn either(
+        &mut self,
+        keys: [&'static str; 2],
+        expected: impl FnOnce() -> String,
+    ) -> Option<&'static str> {
+        let [first, second] = keys;
+        match keys.map(|key| self.get(key).is_some()) {
+            [true, true] => {
+                self.inconsistent_table(format!("give either {first} or {second}, not both")).and(None)
+            }
+            [false, false] => self.missing(first, expected()).and(None),
+            [is_first, _] => Some(if is_first { first } else { second }),
+        }
     }
 
     /// What `read` makes of an optional key; the outer `None` if it is faulty.
@@ -223,15 +236,11 @@ impl<'s> Section<'s> {
         let list = value.as_array().map(Vec::as_slice);
         if let Some(entries) = list.filter(|entries| entries.len() != 2) {
             let (count, are) = (entries.len(), if entries.len() == 1 { "entry" } else { "entries" });
-            self.inconsistent(
-                key,
-                format!("has {count} {are}, expected a pair [x, y]: everything is planar"),
-            );
-            return None;
+            let message = format!("has {count} {are}, expected a pair [x, y]: everything is planar");
+            return self.inconsistent(key, message).and(None);
         }
         let Some([x, y]) = list else {
-            self.wrong_type(key, value, format!("a pair [x, y], each {}", kind.name));
-            return None;
+            return self.wrong_type(key, value, format!("a pair [x, y], each {}", kind.name)).and(None);
         };
         let path = self.key(key);
         let x = self.cx.quantity(&format!("{path}.x"), x, kind, Range::Any);
@@ -242,10 +251,7 @@ impl<'s> Section<'s> {
     /// `true` or `false`, with a default.
     pub(super) fn boolean_or(&mut self, key: &'static str, default: bool) -> Option<bool> {
         let Some(value) = self.get(key) else { return Some(default) };
-        if value.as_bool().is_none() {
-            self.wrong_type(key, value, "true or false");
-        }
-        value.as_bool()
+        value.as_bool().or_else(|| self.wrong_type(key, value, "true or false").and(None))
     }
 
     /// A whole number within a range, required without a default.
@@ -255,10 +261,9 @@ impl<'s> Section<'s> {
         range: RangeInclusive<i64>,
         default: Option<i64>,
     ) -> Option<i64> {
-        let allowed = if *range.end() == i64::MAX {
-            format!(">= {}", range.start())
-        } else {
-            format!("{} to {}", range.start(), range.end())
+        let allowed = match (range.start(), range.end()) {
+            (least, &i64::MAX) => format!(">= {least}"),
+            (least, most) => format!("{least} to {most}"),
         };
         let value = match (self.get(key), default) {
             (Some(value), _) => value,
@@ -266,11 +271,10 @@ impl<'s> Section<'s> {
             (None, None) => return self.require(key, || format!("a whole number {allowed}")).and(None),
         };
         match value.as_integer() {
-            Some(n) if range.contains(&n) => return Some(n),
-            Some(n) => self.out_of_range(key, n.to_string(), allowed),
-            None => self.wrong_type(key, value, format!("a whole number {allowed}")),
+            Some(n) if range.contains(&n) => Some(n),
+            Some(n) => self.out_of_range(key, n, allowed).and(None),
+            None => self.wrong_type(key, value, format!("a whole number {allowed}")).and(None),
         }
-        None
     }
 }
 
@@ -297,10 +301,7 @@ impl<'s> Section<'s> {
     pub fn texts(&mut self, key: &'static str, expected: &str) -> Option<Vec<&'s str>> {
         let value = self.require(key, || expected.to_owned())?;
         let texts = value.as_array().and_then(|all| all.iter().map(Value::as_str).collect());
-        if texts.is_none() {
-            self.wrong_type(key, value, expected);
-        }
-        texts
+        texts.or_else(|| self.wrong_type(key, value, expected).and(None))
     }
 
     /// A required text, or a list of texts.
@@ -312,11 +313,7 @@ impl<'s> Section<'s> {
     }
 
     fn as_text(&self, key: &str, value: &'s Value, expected: &str) -> Option<&'s str> {
-        let text = value.as_str();
-        if text.is_none() {
-            self.wrong_type(key, value, expected);
-        }
-        text
+        value.as_str().or_else(|| self.wrong_type(key, value, expected).and(None))
     }
 
     /// The meaning of a required word.
@@ -332,11 +329,8 @@ impl<'s> Section<'s> {
 
     /// The meaning of the required word that decides which keys this table has; if it is unknown, no key is checked.
     pub fn word<T: Copy>(&mut self, key: &'static str, words: &[(&str, T)]) -> Option<T> {
-        let expected = || {
-            let names: Vec<_> = words.iter().map(|(name, _)| *name).collect();
-            format!("one of {}", names.join(", "))
-        };
-        let value = self.require(key, expected);
+        let names = || words.iter().map(|(name, _)| *name).collect::<Vec<_>>();
+        let value = self.require(key, || format!("one of {}", names().join(", ")));
         let text = value.and_then(|value| self.as_text(key, value, "a word"));
         let word = text.and_then(|word| self.cx.word(&self.key(key), word, words));
         self.given_up |= word.is_none();

@@ -31,11 +31,8 @@ impl<'s> Section<'s> {
     }
 
     fn as_section(&self, key: &str, value: &'s Value, expected: &str) -> Option<Section<'s>> {
-        if let Some(table) = value.as_table() {
-            return Some(Section::new(self.cx, self.key(key), table));
-        }
-        self.wrong_type(key, value, expected);
-        None
+        let table = value.as_table().or_else(|| self.wrong_type(key, value, expected).and(None))?;
+        Some(Section::new(self.cx, self.key(key), table))
     }
 
     /// The rows of a list of tables without names; their paths have their numbers, from 1.
@@ -45,10 +42,8 @@ impl<'s> Section<'s> {
             self.wrong_type(key, value, format!("a list of tables [[{key}]]"));
             return Vec::new();
         };
-        (1..)
-            .zip(list)
-            .filter_map(|(number, value)| self.as_section(&format!("{key}[{number}]"), value, "a table"))
-            .collect()
+        let row = |(number, value)| self.as_section(&format!("{key}[{number}]"), value, "a table");
+        (1..).zip(list).filter_map(row).collect()
     }
 
     /// What `read` makes of each row of a list of tables with unique names; a key that it does not ask for is a fault.
@@ -72,12 +67,12 @@ impl<'s> Section<'s> {
         for mut row in self.unnamed_rows(key) {
             let Some(name) = row.text("name", "a name") else { continue };
             if rows.iter().any(|(taken, _)| *taken == name) {
-                row.fault("name", FaultKind::Duplicate { what: path.clone(), value: name.to_owned() });
+                row.fault("name", FaultKind::Duplicate(path.clone(), name.to_owned()));
                 continue;
             }
             if name.is_empty() || name.contains('.') || name.contains(char::is_control) {
-                let reason = "names are not empty and have no dots or control characters".to_owned();
-                row.fault("name", FaultKind::BadName { value: name.to_owned(), reason });
+                let reason = "names are not empty and have no dots or control characters";
+                row.fault("name", FaultKind::BadName(name.to_owned(), reason));
                 continue;
             }
             row.path = format!("{path}.{name}");
@@ -92,15 +87,13 @@ impl Section<'_> {
     pub(super) fn quantities(&mut self, key: &'static str, kind: Kind) -> Option<Vec<f64>> {
         let value = self.require(key, || format!("a list, each {}", kind.in_words()))?;
         match value {
-            Value::Array(list) => all(list
-                .iter()
-                .enumerate()
-                .map(|(i, value)| self.as_quantity(&format!("{key}.{}", i + 1), value, kind, Range::Any))),
+            Value::Array(list) => all((1..).zip(list).map(|(number, value)| {
+                self.as_quantity(&format!("{key}.{number}"), value, kind, Range::Any)
+            })),
             Value::Table(table) => with_one_unit(Section::new(self.cx, self.key(key), table), kind),
             other => {
                 let expected = format!("a list, each {}, or {{ unit, values }}", kind.in_words());
-                self.wrong_type(key, other, expected);
-                None
+                self.wrong_type(key, other, expected).and(None)
             }
         }
     }
@@ -111,10 +104,7 @@ fn with_one_unit(mut list: Section, kind: Kind) -> Option<Vec<f64>> {
     let before = list.cx.fault_count();
     let unit = match list.get("unit") {
         None if kind.takes_bare_numbers() => Some(""),
-        None => {
-            list.missing("unit", format!("the unit of {}", kind.in_words()));
-            None
-        }
+        None => list.missing("unit", format!("the unit of {}", kind.in_words())).and(None),
         Some(_) => list.text("unit", "a unit, e.g. \"mm\""),
     };
     let values = list.require("values", || "a list of numbers".to_owned());
@@ -126,23 +116,21 @@ fn with_one_unit(mut list: Section, kind: Kind) -> Option<Vec<f64>> {
         list.cx.value(&list.key("unit"), &Value::String(format!("1 {unit}")), Some(kind))?;
     }
     let Value::Array(values) = values? else {
-        list.wrong_type("values", values?, "a list of numbers");
-        return None;
+        return list.wrong_type("values", values?, "a list of numbers").and(None);
     };
-    let found = all(values.iter().enumerate().map(|(i, value)| {
+    let found = all((1..).zip(values).map(|(place, value)| {
         let number = match value {
             Value::Integer(number) => *number as f64,
             Value::Float(number) => *number,
             other => {
                 let expected = "a number: the unit stands beside the list";
-                list.wrong_type(&format!("values.{}", i + 1), other, expected);
-                return None;
+                return list.wrong_type(&format!("values.{place}"), other, expected).and(None);
             }
         };
         // With the bits of the same value written with its unit.
         let written =
             if unit.is_empty() { Value::Float(number) } else { Value::String(format!("{number:?} {unit}")) };
-        list.as_quantity(&(i + 1).to_string(), &written, kind, Range::Any)
+        list.as_quantity(&format!("{place}"), &written, kind, Range::Any)
     }));
     found.filter(|_| list.cx.fault_count() == before)
 }

@@ -13,9 +13,10 @@ impl SceneSource {
         let key = variable.map_or(Some(name), |variable| variable.changes.first().map(String::as_str));
         match (variable, key) {
             // An input of a simulator has the dimension of its unit, if that is a known one.
-            (Some(input), None) => Some(Kind::from_dimension(
-                read_unit(&input.unit).map_or(Dimension::NONE, |unit| unit.dimension),
-            )),
+            (Some(input), None) => {
+                let dimension = read_unit(&input.unit).map_or(Dimension::NONE, |unit| unit.dimension);
+                Some(Kind::from_dimension(dimension))
+            }
             (_, key) => self.quantities().get(key?).map(Quantity::kind),
         }
     }
@@ -70,7 +71,6 @@ impl SceneSource {
         let is_path = name.contains('.') && keys.clone().next().is_some();
         let (what, known): (_, Vec<&str>) =
             if is_path { ("quantity", keys.collect()) } else { ("variable", variables.collect()) };
-        let known = known.into_iter().map(str::to_owned).collect();
-        FaultKind::UnknownReference { what, value: name.to_owned(), nearest, known }
+        FaultKind::unknown_near(what, name, &nearest, &known)
     }
 }

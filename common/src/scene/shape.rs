@@ -11,15 +11,17 @@
 use super::clearance::MaterialRow;
 use super::context::Range;
 use super::model::{MassProperties, Point};
-use super::quantity::{AREA, DENSITY, LENGTH};
+use super::quantity::{AREA, DENSITY, Kind, LENGTH};
 use super::section::Section;
 
-/// Words of the type of a shape.
-#[derive(Clone, Copy, PartialEq)]
-enum ShapeWord {
-    Rod,
-    Plate,
-}
+/// Key and kind of the size of a shape across its points, its mass properties by them, and the points that it needs.
+type ShapeForm = (&'static str, Kind, fn(&[[f64; 2]], f64) -> Option<MassProperties>, &'static str);
+
+/// The types of shapes by their words.
+const FORMS: [(&str, ShapeForm); 2] = [
+    ("rod", ("section", AREA, rod, "two points apart")),
+    ("plate", ("thickness", LENGTH, plate, "three points that span an area")),
+];
 
 /// Reads `shape = { type, points, section or thickness, material or density }`; none if it is faulty.
 pub(super) fn shape(
@@ -28,25 +30,15 @@ pub(super) fn shape(
     materials: &[MaterialRow],
 ) -> Option<MassProperties> {
     let mut shape = row.section_if_any("shape")?;
-    let word = shape.word("type", &[("rod", ShapeWord::Rod), ("plate", ShapeWord::Plate)]);
+    let form = shape.word("type", &FORMS);
     let corners = corners(&mut shape, points);
-    let size = match word? {
-        ShapeWord::Rod => shape.quantity("section", AREA, Range::Positive),
-        ShapeWord::Plate => shape.quantity("thickness", LENGTH, Range::Positive),
-    };
+    let (key, kind, properties, needed) = form?;
+    let size = shape.quantity(key, kind, Range::Positive);
     let density = density(&mut shape, materials);
     shape.finish();
     let (corners, size, density) = (corners?, size?, density?);
-    let found = match word? {
-        ShapeWord::Rod => rod(&corners, density * size),
-        ShapeWord::Plate => plate(&corners, density * size),
-    };
-    if found.is_none() {
-        let needed =
-            if word == Some(ShapeWord::Rod) { "two points apart" } else { "three points that span an area" };
-        shape.inconsistent("points", format!("have no extent: {needed} are needed"));
-    }
-    found
+    let message = format!("have no extent: {needed} are needed");
+    properties(&corners, density * size).or_else(|| shape.inconsistent("points", message).and(None))
 }
 
 /// The points named, in their order; without names the corners of the convex hull of all points.
@@ -68,16 +60,13 @@ fn density(shape: &mut Section, materials: &[MaterialRow]) -> Option<f64> {
         return shape.quantity("density", DENSITY, Range::Positive);
     }
     if own {
-        shape.inconsistent_table("give either material or density, not both");
-        return None;
+        return shape.inconsistent_table("give either material or density, not both").and(None);
     }
     let name = shape.text("material", "the name of a material")?;
     let known = materials.iter().map(|material| material.name.as_str());
     let material = &materials[shape.reference("material", "material", name, known)?];
-    if material.density.is_none() {
-        shape.inconsistent("material", format!("{name} has no density: add density to [materials.{name}]"));
-    }
-    material.density
+    let message = format!("{name} has no density: add density to [materials.{name}]");
+    material.density.or_else(|| shape.inconsistent("material", message).and(None))
 }
 
 /// Mass properties of lines of the mass `line` per length [kg/m]; none without a length.

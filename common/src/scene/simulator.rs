@@ -16,7 +16,7 @@ use super::model::{
     CycleProgram, CycleTier, Exchange, ExternalSimulator, FileExchange, Gives, Life, Motion, Program,
     SimulatorKind, UmBridgeModel,
 };
-use super::output::{Output, OutputKind};
+use super::output::OutputKind;
 use super::quantity::{NUMBER, TIME};
 use super::section::{CHECKPOINT_LIMIT, COUNT_LIMIT, Section, record};
 use super::wear_model::{WearModel, wear_model};
@@ -63,13 +63,11 @@ fn kind(section: &mut Section) -> Option<SimulatorKind> {
         [false, false, false] => {
             let expected = "a program, e.g. program = [\"python3\", \"beam.py\"], an FMU, e.g. fmu = \"beam.fmu\", or a server, \
                             e.g. umbridge = \"http://127.0.0.1:4242\"";
-            section.missing("program", expected);
-            None
+            section.missing("program", expected).and(None)
         }
         _ => {
-            section
-                .inconsistent_table("has more than one of program, fmu and umbridge, expected one of them");
-            None
+            let message = "has more than one of program, fmu and umbridge, expected one of them";
+            section.inconsistent_table(message).and(None)
         }
     }
 }
@@ -80,10 +78,7 @@ fn fmu(section: &mut Section) -> Option<Program> {
     let python =
         section.text_or("python", "the path of a Python with the packages hingewise and fmpy", "python3");
     let folder = section.text_or("folder", "a folder", ".");
-    let map = match section.get("map") {
-        None => Some(vec![]),
-        Some(map) => mapping(section, "", map),
-    };
+    let map = section.get("map").map_or(Some(vec![]), |map| mapping(section, "", map));
     let mut command = [python?, "-m", "hingewise.fmu", file?].map(str::to_owned).to_vec();
     let fmu = Some(command[3].clone());
     command.extend(map?);
@@ -94,8 +89,7 @@ fn fmu(section: &mut Section) -> Option<Program> {
 fn mapping(section: &Section, before: &str, map: &Value) -> Option<Vec<String>> {
     let expected = "a table of variables of the FMU by name, e.g. { \"*.angle\" = \"*_phi\", peak = \"largest(torque)\" }";
     let Some(map) = map.as_table() else {
-        section.wrong_type("map", map, expected);
-        return None;
+        return section.wrong_type("map", map, expected).and(None);
     };
     let pair = |(name, value): (&String, &Value)| match value.as_str() {
         Some(variable) => Some(vec![format!("{before}{name}={variable}")]),
@@ -121,30 +115,22 @@ fn levels(section: &mut Section, gives: Option<&Gives>) -> Option<Vec<String>> {
         "two or three names, from the coarsest to the finest, e.g. [\"coarse mesh\", \"fine mesh\"]";
     let names = section.if_any("levels", |section, key| section.texts(key, expected))?;
     let names: Vec<String> = names.into_iter().flatten().map(str::to_owned).collect();
-    let is_twice = |(k, name): (usize, &String)| names[..k].contains(name);
     if section.get("levels").is_none() {
         return Some(names);
     }
-    if !(2..=3).contains(&names.len())
-        || names.iter().any(String::is_empty)
-        || names.iter().enumerate().any(is_twice)
-    {
-        section.out_of_range("levels", format!("{names:?}"), "two or three different names");
-    } else if section
-        .get("config")
-        .and_then(Value::as_table)
-        .is_some_and(|config| config.contains_key("level"))
-    {
-        section.inconsistent("levels", "take the place of the key level of config, expected one of them");
+    let is_wrong = |(k, name): (usize, &String)| name.is_empty() || names[..k].contains(name);
+    if !(2..=3).contains(&names.len()) || names.iter().enumerate().any(is_wrong) {
+        let found = format!("{names:?}");
+        return section.out_of_range("levels", found, "two or three different names").and(None);
+    }
+    let contradiction = if section.get("config").is_some_and(|config| config.get("level").is_some()) {
+        "take the place of the key level of config, expected one of them"
     } else if section.get("fmu").is_some() || gives.is_some_and(|gives| *gives != Gives::Life) {
-        section.inconsistent(
-            "levels",
-            "are of a program that gives whole lives; an FMU has none, cycles have the accuracies of [study]",
-        );
+        "are of a program that gives whole lives; an FMU has none, cycles have the accuracies of [study]"
     } else {
         return Some(names);
-    }
-    None
+    };
+    section.inconsistent("levels", contradiction).and(None)
 }
 
 /// Reads a key that belongs to levels.
@@ -155,8 +141,7 @@ fn with_levels<T>(
 ) -> Option<T> {
     if section.peek(key).is_some() && section.peek("levels").is_none() {
         section.get(key);
-        section.inconsistent(key, "belongs to levels, of which there are none");
-        return None;
+        return section.inconsistent(key, "belongs to levels, of which there are none").and(None);
     }
     read(section, key)
 }
@@ -167,8 +152,7 @@ fn program(section: &mut Section) -> Option<Program> {
     let exchange = exchange(section);
     let command: Vec<String> = command?.into_iter().map(str::to_owned).collect();
     if command.first().is_none_or(String::is_empty) {
-        section.inconsistent("program", "is empty, expected a program and its arguments");
-        return None;
+        return section.inconsistent("program", "is empty, expected a program and its arguments").and(None);
     }
     Some(Program { command, folder: folder?.to_owned(), exchange: exchange?, fmu: None })
 }
@@ -176,43 +160,34 @@ fn program(section: &mut Section) -> Option<Program> {
 /// Lines over standard input and output, or files if there is a `results`.
 fn exchange(section: &mut Section) -> Option<Exchange> {
     if section.get("results").is_none() {
-        let needs = ["templates", "files"].into_iter().filter(|key| section.get(key).is_some());
-        return match needs.collect::<Vec<_>>().as_slice() {
-            [] => Some(Exchange::Lines),
-            _ => {
-                section
-                    .missing("results", "the file that the program writes, e.g. results = \"results.out\"");
-                None
-            }
-        };
+        if ["templates", "files"].map(|key| section.get(key).is_some()) == [false; 2] {
+            return Some(Exchange::Lines);
+        }
+        let expected = "the file that the program writes, e.g. results = \"results.out\"";
+        return section.missing("results", expected).and(None);
     }
     let results = section.text("results", "the name of a file, e.g. \"results.out\"").map(str::to_owned);
     let templates = file_names(section, "templates");
     let files = file_names(section, "files");
     let exchange = FileExchange { results: results?, templates: templates?, files: files? };
     let inputs = || exchange.templates.iter().chain(&exchange.files);
-    let keys = [
-        ("results", vec![&exchange.results]),
-        ("templates", exchange.templates.iter().collect()),
-        ("files", exchange.files.iter().collect()),
-    ];
-    for (key, names) in keys {
-        if let Some(name) = names.into_iter().find(|name| !is_inner(name)) {
-            section.out_of_range(key, format!("\"{name}\""), "a relative path without ..");
-            return None;
+    let results = std::slice::from_ref(&exchange.results);
+    for (key, names) in [("results", results), ("templates", &exchange.templates), ("files", &exchange.files)]
+    {
+        if let Some(name) = names.iter().find(|name| !is_inner(name)) {
+            return section.out_of_range(key, format!("\"{name}\""), "a relative path without ..").and(None);
         }
     }
     let twice = inputs().enumerate().find(|(k, name)| inputs().take(*k).any(|other| other == *name));
     if let Some((_, name)) = twice {
-        section.inconsistent("results", format!("goes with \"{name}\", which is named twice as an input"));
-        return None;
+        let message = format!("goes with \"{name}\", which is named twice as an input");
+        return section.inconsistent("results", message).and(None);
     }
     if inputs().any(|name| *name == exchange.results || *name == REQUEST_FILE)
         || exchange.results == REQUEST_FILE
     {
         let message = format!("and {REQUEST_FILE} are written for each evaluation, and cannot be inputs");
-        section.inconsistent("results", message);
-        return None;
+        return section.inconsistent("results", message).and(None);
     }
     Some(Exchange::Files(exchange))
 }
@@ -234,15 +209,11 @@ fn umbridge(section: &mut Section) -> Option<UmBridgeModel> {
     let config = match section.get("config") {
         None => Some(Table::new()),
         Some(Value::Table(config)) => Some(config.clone()),
-        Some(other) => {
-            section.wrong_type("config", other, "a table");
-            None
-        }
+        Some(other) => section.wrong_type("config", other, "a table").and(None),
     };
     let url = url?.trim_end_matches('/');
     if url.strip_prefix("http://").is_none_or(str::is_empty) {
-        section.out_of_range("umbridge", format!("\"{url}\""), "http://HOST:PORT");
-        return None;
+        return section.out_of_range("umbridge", format!("\"{url}\""), "http://HOST:PORT").and(None);
     }
     Some(UmBridgeModel { url: url.to_owned(), model: model?.to_owned(), config: config? })
 }
@@ -250,7 +221,7 @@ fn umbridge(section: &mut Section) -> Option<UmBridgeModel> {
 /// Reads `[life]` of a simulator: its checkpoints; a single one if there is no such table.
 fn declared_life(file: &mut Section) -> Option<Life> {
     if file.get("life").is_none() {
-        return Some(Life { period: 0.0, cycles: 1, checkpoint_every: 1, settle_cycles: 0, turn_of: None });
+        return Some(Life::of_checkpoints(1, 1));
     }
     let mut section = file.section_if_any("life")?;
     let life = checkpoints(&mut section);
@@ -266,14 +237,13 @@ pub(super) fn checkpoints(section: &mut Section) -> Option<Life> {
     let (cycles, checkpoint_every) = (cycles? as u32, every? as u32);
     if !cycles.is_multiple_of(checkpoint_every) {
         let allowed = format!("a multiple of checkpoint_every = {checkpoint_every}");
-        section.out_of_range("cycles", cycles.to_string(), allowed);
-    } else if cycles / checkpoint_every > CHECKPOINT_LIMIT {
-        let allowed = format!("so long that cycles = {cycles} has at most {CHECKPOINT_LIMIT} checkpoints");
-        section.out_of_range("checkpoint_every", checkpoint_every.to_string(), allowed);
-    } else {
-        return Some(Life { period: 0.0, cycles, checkpoint_every, settle_cycles: 0, turn_of: None });
+        return section.out_of_range("cycles", cycles, allowed).and(None);
     }
-    None
+    if cycles / checkpoint_every > CHECKPOINT_LIMIT {
+        let allowed = format!("so long that cycles = {cycles} has at most {CHECKPOINT_LIMIT} checkpoints");
+        return section.out_of_range("checkpoint_every", checkpoint_every, allowed).and(None);
+    }
+    Some(Life::of_checkpoints(cycles, checkpoint_every))
 }
 
 /// Reads `[[outputs]]` of a simulator, each by `read`.
@@ -292,23 +262,17 @@ fn declared_output(name: &str, row: &mut Section, life: Option<&Life>) -> Output
         None => Some(false),
         Some(_) => values(row, life.map(|life| life.checkpoints().len())),
     };
-    let kind = unit.zip(values).map(|(unit, single)| OutputKind::External { unit: unit.to_owned(), single });
-    OutputRow::declared(name, kind.map(|kind| Output { name: name.to_owned(), kind }))
+    OutputRow::declared(name, unit, values)
 }
 
 /// Whether an output has a single value for the whole life, by the number of its values.
 fn values(row: &mut Section, checkpoints: Option<usize>) -> Option<bool> {
-    let values = row.integer("values", 1..=COUNT_LIMIT, None)?;
-    let checkpoints = checkpoints?;
-    if values as usize == checkpoints {
-        return Some(false);
-    }
-    if values == 1 {
-        return Some(true);
+    let (values, checkpoints) = (row.integer("values", 1..=COUNT_LIMIT, None)?, checkpoints?);
+    if values == 1 || values as usize == checkpoints {
+        return Some(values as usize != checkpoints);
     }
     let allowed = format!("1, or one for each of the {checkpoints} checkpoints of the life");
-    row.out_of_range("values", values.to_string(), allowed);
-    None
+    row.out_of_range("values", values, allowed).and(None)
 }
 
 /// Sets the folder in which the program of a scene file runs: that of the file, or its `folder` relative to it, and that of its `journal`.
@@ -390,8 +354,6 @@ fn outputs(file: &mut Section, joints: &[JointRow]) -> Vec<OutputRow> {
         if row.peek("type").is_some() {
             return typed_output(name, row, &words, Named { bodies: &[], joints });
         }
-        let unit = row.text_or("unit", "a unit, as it is to be shown", "");
-        let kind = unit.map(|unit| OutputKind::External { unit: unit.to_owned(), single: false });
-        OutputRow::declared(name, kind.map(|kind| Output { name: name.to_owned(), kind }))
+        OutputRow::declared(name, row.text_or("unit", "a unit, as it is to be shown", ""), Some(false))
     })
 }

@@ -3,9 +3,9 @@
 
 use super::builtin;
 use super::conditioned::conditions;
-use super::context::Overrides;
+use super::context::{NONE, Overrides};
 use super::edit::rewritten;
-use super::extends::{flatten, read, unknown_scene};
+use super::extends::{SCENE_FILE, flatten, read, unknown_scene};
 use super::faults::{Fault, FaultKind, Faults, in_unit};
 use super::input::InputFile;
 use super::layers::Layers;
@@ -46,10 +46,8 @@ impl SceneSource {
     /// # Errors
     /// The name is unknown; the fault suggests the nearest one.
     pub fn builtin(name: &str) -> Result<Self, Faults> {
-        match builtin::text(name) {
-            Some(text) => Self::parse(text, name),
-            None => Err(Faults::one(name, "", unknown_scene(name))),
-        }
+        let text = builtin::text(name).ok_or_else(|| Faults::one(name, "", unknown_scene(name)))?;
+        Self::parse(text, name)
     }
 
     /// Loads a built-in scene by name, or the scene in a file.
@@ -57,8 +55,8 @@ impl SceneSource {
     /// # Errors
     /// Every fault of the scene, or one that says that it cannot be found or read.
     pub fn load(name_or_path: &str) -> Result<Self, Faults> {
-        if builtin::text(name_or_path).is_some() {
-            return Self::builtin(name_or_path);
+        if let Some(text) = builtin::text(name_or_path) {
+            return Self::parse(text, name_or_path);
         }
         let path = Path::new(name_or_path);
         let looks_like_path =
@@ -66,8 +64,7 @@ impl SceneSource {
         if !path.exists() && !looks_like_path {
             return Err(Faults::one(name_or_path, "", unknown_scene(name_or_path)));
         }
-        let text = read(path)?;
-        Self::from_text(text, name_or_path, path.parent())
+        Self::from_text(read(path, SCENE_FILE)?, name_or_path, path.parent())
     }
 
     /// A scene from its text; `origin` names it in faults. It may extend built-in scenes, not files.
@@ -97,12 +94,10 @@ impl SceneSource {
         };
 
         // Values as written, then the variables, then the nominal scene with every variable at its mean.
-        let Resolved { scene, measured, seen, used, .. } =
-            resolve(origin, &document, &Overrides::new(), true)?;
+        let Resolved { scene, measured, seen, used, .. } = resolve(origin, &document, &NONE, true)?;
         let parameters = document.get("parameters").and_then(toml::Value::as_table);
-        let mut unused_parameters: Vec<String> =
-            parameters.into_iter().flat_map(Table::keys).cloned().collect();
-        unused_parameters.retain(|name| !used.contains(name));
+        let unused = parameters.into_iter().flat_map(Table::keys).filter(|name| !used.contains(*name));
+        let mut unused_parameters: Vec<String> = unused.cloned().collect();
         unused_parameters.sort();
         let mut source = SceneSource {
             origin: origin.to_owned(),
@@ -180,16 +175,11 @@ impl SceneSource {
     pub fn warnings(&self) -> Vec<Warning> {
         let scene = &self.nominal;
         let everywhere = |(_, conditions): &(usize, Vec<&str>)| conditions.len() == scene.conditions.len();
-        let warning = |(k, _): (usize, Vec<&str>)| {
-            Warning {
-            key: format!("variables.{}", scene.variables[k].name),
-            message: "has no effect: every condition sets what it changes; let the variable change a parameter that the conditions \
-                      multiply, as in \"1.5 * torque\""
-                .to_owned(),
-        }
-        };
-        let without_effect =
-            self.overridden_variables().into_iter().filter(everywhere).map(warning).collect();
+        let message = "has no effect: every condition sets what it changes; let the variable change a parameter that the conditions \
+                       multiply, as in \"1.5 * torque\"";
+        let overridden = self.overridden_variables().into_iter().filter(everywhere);
+        let key = |k: usize| format!("variables.{}", scene.variables[k].name);
+        let without_effect = overridden.map(|(k, _)| Warning::new(key(k), message)).collect();
         [warnings(scene), magnitudes(scene), without_effect].concat()
     }
 
@@ -197,8 +187,8 @@ impl SceneSource {
     pub fn overridden_variables(&self) -> Vec<(usize, Vec<&str>)> {
         let (scene, means) = (&self.nominal, self.means());
         let mut found = Vec::new();
-        for (k, variable) in scene.variables.iter().enumerate().filter(|(_, v)| !v.distribution.is_constant())
-        {
+        let varying = scene.variables.iter().enumerate().filter(|(_, v)| !v.distribution.is_constant());
+        for (k, variable) in varying {
             let mut sample = means.clone();
             sample[k] = variable.distribution.from_standard_normal(1.0);
             let Ok(moved) = self.resolve_sample(&sample) else { continue };
@@ -242,8 +232,10 @@ impl SceneSource {
     pub fn resolve_sample(&self, sample: &[f64]) -> Result<Scene, Faults> {
         let expected = self.variables().len();
         if sample.len() != expected {
-            let kind = FaultKind::SampleLength { found: sample.len(), expected };
-            return Err(Faults::one(&self.origin, "", kind));
+            let found = sample.len();
+            let message =
+                format!("a sample of {found} values was given, the scene has {expected} random variables");
+            return Err(Faults::one(&self.origin, "", message));
         }
         let pairs = self.variables().iter().zip(sample);
         let overrides =
@@ -323,10 +315,15 @@ impl SceneSource {
                 sample[i] = bound;
                 if let Err(Faults(found)) = self.resolve_sample(&sample) {
                     let fault = found.first().map(|fault| format!("{}: {}", fault.key, fault.kind));
-                    let value = in_unit(bound, &variable.unit);
-                    let fault = fault.unwrap_or_default();
-                    let kind = FaultKind::BoundOutsidePhysics { value, hard, fault };
-                    faults.push(Fault::new(&self.origin, format!("variables.{}", variable.name), kind));
+                    let (value, fault) = (in_unit(bound, &variable.unit), fault.unwrap_or_default());
+                    let (end, remedy) = match hard {
+                        true => ("a bound", "use a smaller std or truncation, or lower and upper"),
+                        false => ("a 1e-6 tail quantile", "use a smaller std, or a distribution with bounds"),
+                    };
+                    let message = format!(
+                        "at {value}, {end} of this variable, the scene is invalid: {fault}; {remedy}"
+                    );
+                    faults.push(Fault::new(&self.origin, format!("variables.{}", variable.name), message));
                 }
             }
         }

@@ -56,8 +56,7 @@ pub(super) fn curve(row: &mut Section, key: &'static str, kind: Kind, bodies: &[
     if table.repeat && matches!(over, Over::Angle(_)) && repetitions(TAU, span(&table)).is_none() {
         let span = in_first_unit(span(&table), ANGLE);
         let message = format!("repeats every {span}, and 360 deg is not a multiple of that");
-        section.inconsistent("at", message);
-        return None;
+        return section.inconsistent("at", message).and(None);
     }
     Some(Curve { over, table })
 }
@@ -72,11 +71,9 @@ fn over(section: &mut Section, bodies: &[BodyRow]) -> Option<Over> {
     over.finish();
     let found = found?;
     if bodies[found].word == Some(MotionWord::Fixed) {
-        over.inconsistent(
-            "angle",
-            format!("the angle of \"{}\" does not change: it is fixed", bodies[found].name),
-        );
-        return None;
+        let name = &bodies[found].name;
+        let message = format!("the angle of \"{name}\" does not change: it is fixed");
+        return over.inconsistent("angle", message).and(None);
     }
     Some(Over::Angle(found))
 }
@@ -106,8 +103,7 @@ fn points(
         section.inconsistent("at", format!("has {} of the at least {needed} arguments of a table", at.len()));
     }
     if at.len() != value.len() {
-        let message = format!("has {} values for {} arguments", value.len(), at.len());
-        section.inconsistent("value", message);
+        section.inconsistent("value", format!("has {} values for {} arguments", value.len(), at.len()));
     }
     for (i, pair) in at.windows(2).enumerate().filter(|(_, pair)| pair[0] >= pair[1]) {
         let [before, here] = [pair[0], pair[1]].map(|x| in_first_unit(x, arguments));
@@ -125,8 +121,7 @@ fn points(
             let message = format!(
                 "starts with {first} and ends with {last}: a table that repeats ends with the value it starts with"
             );
-            section.inconsistent("value", message);
-            return None;
+            return section.inconsistent("value", message).and(None);
         }
         value[end] = first;
     }

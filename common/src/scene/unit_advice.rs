@@ -1,7 +1,7 @@
 //! The units that a quantity may have, for the message about one that does not exist.
 
 use super::expression::{ExpressionError, read_unit};
-use super::nearest_unit::nearest_unit;
+use super::expression_error::nearest_unit;
 use super::quantity::{AngleUnit, Dimension, Kind, Quantity, UNITS, Unit};
 
 /// The message of an error; of an unknown unit with the units that the quantity may have.

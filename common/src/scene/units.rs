@@ -15,17 +15,12 @@ use toml::{Table, Value};
 
 /// Reads the unit of a kind of quantities at this key; the outer `None` if it is faulty.
 fn read_shown(section: &mut Section, key: &'static str, kind: Kind) -> Option<Option<ShownUnit>> {
-    if section.get(key).is_none() {
-        return Some(None);
-    }
-    let symbol = section.text(key, &format!("the unit of {}", kind.in_words()))?;
-    match read_quantity(&format!("1 {symbol}"), kind) {
-        Ok(si) => Some(Some(ShownUnit { symbol: symbol.to_owned(), si })),
-        Err(fault) => {
-            section.fault(key, fault);
-            None
-        }
-    }
+    section.if_any(key, |section, key| {
+        let symbol = section.text(key, &format!("the unit of {}", kind.in_words()))?;
+        let read = read_quantity(&format!("1 {symbol}"), kind);
+        let si = read.map_err(|fault| section.fault(key, fault)).ok()?;
+        Some(ShownUnit { symbol: symbol.to_owned(), si })
+    })
 }
 
 /// The unit in which a limit is written, if it is a number with one.
@@ -149,9 +144,9 @@ impl Units {
 
     /// The head of a column, with the chosen unit in the place of the usual one in its brackets.
     pub fn head(&self, head: &str) -> String {
-        let bracketed = |unit: &str| format!("[{unit}]");
-        self.by_usual.iter().fold(head.to_owned(), |head, (usual, unit)| {
-            head.replace(&bracketed(usual), &bracketed(&unit.symbol))
-        })
+        let replace = |head: String, (usual, unit): (&&str, &ShownUnit)| {
+            head.replace(&format!("[{usual}]"), &format!("[{}]", unit.symbol))
+        };
+        self.by_usual.iter().fold(head.to_owned(), replace)
     }
 }

@@ -65,21 +65,21 @@ impl WrittenLaw {
     /// True if no required key is missing and no key contradicts another.
     fn complete(&self, row: &Section, fit: bool) -> bool {
         let before = row.cx.fault_count();
-        let refuse = |message: &str| row.inconsistent_table(message);
-        if fit && (self.has("mean") || self.has("std")) {
-            refuse("give either fit, or mean and std, not both");
-        }
         let bounded = self.has("lower") || self.has("upper");
-        match self.law {
-            "uniform" if bounded && (fit || self.has("std") || self.has("mean")) => {
-                refuse("give either lower and upper, or std with the mean, not both");
-            }
-            "exponential" if bounded && (fit || self.has("std")) => {
-                refuse(
-                    "give either lower, where the distribution begins, or std, which begins at mean - std",
-                );
-            }
-            _ => {}
+        let moments = self.has("mean") || self.has("std");
+        let contradictions = [
+            (fit && moments, "give either fit, or mean and std, not both"),
+            (
+                self.law == "uniform" && bounded && (fit || moments),
+                "give either lower and upper, or std with the mean, not both",
+            ),
+            (
+                self.law == "exponential" && bounded && (fit || self.has("std")),
+                "give either lower, where the distribution begins, or std, which begins at mean - std",
+            ),
+        ];
+        for (_, message) in contradictions.into_iter().filter(|(is_given, _)| *is_given) {
+            row.inconsistent_table(message);
         }
         const STD: &str = "a quantity, or a share of the mean such as \"0.2 %\"";
         const BOUND: &str = "a bound of the distribution";
@@ -157,12 +157,12 @@ impl WrittenLaw {
         if std > 0.0 && std.is_finite() {
             return Some(std);
         }
-        row.out_of_range("std", written.to_string(), "> 0; distribution = \"constant\" holds it fixed");
-        None
+        row.out_of_range("std", written.to_string(), "> 0; distribution = \"constant\" holds it fixed")
+            .and(None)
     }
 
     /// Records a parameter that the distribution does not allow, in the units of the scene.
-    fn refuse(&self, row: &Section, error: LawError, kind: Kind) {
+    fn refuse(&self, row: &Section, error: LawError, kind: Kind) -> Option<()> {
         let shown = |value| in_first_unit(value, kind);
         match error {
             LawError::OutOfRange { parameter, value, above, below } => {
@@ -173,17 +173,14 @@ impl WrittenLaw {
                     (false, false) => "any finite number".to_owned(),
                 };
                 let written = self.values.get(parameter).map(Value::to_string);
-                row.out_of_range(parameter, written.unwrap_or_else(|| shown(value)), allowed);
+                row.out_of_range(parameter, written.unwrap_or_else(|| shown(value)), allowed)
             }
             LawError::NotEnclosed { parameter, value, lower, upper } => {
+                let [lower, upper, value] = [lower, upper, value].map(shown);
                 let message = format!(
-                    "the bounds {} and {} do not enclose the {parameter} {}: move them, or the {parameter}",
-                    shown(lower),
-                    shown(upper),
-                    shown(value)
+                    "the bounds {lower} and {upper} do not enclose the {parameter} {value}: move them, or the {parameter}"
                 );
-                let written = [parameter, "lower", "upper"].into_iter().find(|key| self.has(key));
-                match written {
+                match [parameter, "lower", "upper"].into_iter().find(|key| self.has(key)) {
                     Some(key) => row.inconsistent(key, message),
                     None => row.inconsistent_table(message),
                 }
@@ -215,11 +212,10 @@ impl WrittenFit {
         let (written, diameter, capability) = (written?, diameter?, capability?);
         match moments(written, diameter, capability) {
             Ok((feature, mean, std)) => Some(Self { written: written.to_owned(), feature, mean, std }),
-            Err(error) => {
-                let key = if matches!(error, ToleranceError::Diameter(_)) { "diameter" } else { "fit" };
-                row.inconsistent(key, error.to_string());
-                None
+            Err(error @ ToleranceError::Diameter(_)) => {
+                row.inconsistent("diameter", error.to_string()).and(None)
             }
+            Err(error) => row.inconsistent("fit", error.to_string()).and(None),
         }
     }
 
@@ -227,28 +223,24 @@ impl WrittenFit {
     fn moments(&self, row: &Section, kind: Kind, changes: &[String]) -> Option<(f64, f64)> {
         let value = format!("\"{}\"", self.written);
         if kind.dimension != LENGTH.dimension {
-            row.fault("fit", FaultKind::WrongUnit { value, found: LENGTH.dimension, expected: kind });
-            return None;
+            return row.fault("fit", FaultKind::wrong_unit(value, LENGTH.dimension, kind)).and(None);
         }
         for changed in changes {
             let field = changed.rsplit('.').next().unwrap_or(changed);
+            const ONE_PART: &str = "is the class of one part; a clearance needs both, e.g. \"H7/e8\"";
+            const BOTH: &str =
+                "gives a clearance; a radius needs the class of its part alone, e.g. \"H7\" or \"e8\"";
+            const SHAFT: &str = "is the class of a shaft, a bushing is a hole, e.g. \"H7\"";
+            const HOLE: &str = "is the class of a hole, a journal is a shaft, e.g. \"e8\"";
             let refused = match (field, self.feature) {
-                ("radial_clearance", Some(_)) => {
-                    "is the class of one part; a clearance needs both, e.g. \"H7/e8\""
-                }
-                ("bushing_radius" | "journal_radius", None) => {
-                    "gives a clearance; a radius needs the class of its part alone, e.g. \"H7\" or \"e8\""
-                }
-                ("bushing_radius", Some(Feature::Shaft)) => {
-                    "is the class of a shaft, a bushing is a hole, e.g. \"H7\""
-                }
-                ("journal_radius", Some(Feature::Hole)) => {
-                    "is the class of a hole, a journal is a shaft, e.g. \"e8\""
-                }
+                ("radial_clearance", Some(_)) => ONE_PART,
+                ("bushing_radius" | "journal_radius", None) => BOTH,
+                ("bushing_radius", Some(Feature::Shaft)) => SHAFT,
+                ("journal_radius", Some(Feature::Hole)) => HOLE,
                 _ => continue,
             };
-            row.inconsistent("fit", format!("{value} {refused}; the variable changes \"{changed}\""));
-            return None;
+            let message = format!("{value} {refused}; the variable changes \"{changed}\"");
+            return row.inconsistent("fit", message).and(None);
         }
         Some((self.mean, self.std))
     }

@@ -56,10 +56,8 @@ pub(super) fn variables<'s>(file: &mut Section<'s>, scene: Changed) -> Vec<(&'s 
         let changes = if is_input { Some(vec![]) } else { changes(row) };
         for key in changes.iter().flatten() {
             if let Some(other) = owners.insert(key.clone(), name) {
-                row.inconsistent(
-                    "changes",
-                    format!("\"{key}\" is already changed by the variable \"{other}\""),
-                );
+                let message = format!("\"{key}\" is already changed by the variable \"{other}\"");
+                row.inconsistent("changes", message);
             }
         }
         (name, variable(name, row, changes, scene))
@@ -71,17 +69,18 @@ fn variable(name: &str, row: &mut Section, changes: Option<Vec<String>>, scene: 
     let law = law(row, changes.as_deref(), scene);
     let ((nominal, distribution, measured), unit, changes) = (law?, unit?, changes?);
     let dimension = nominal.dimension;
+    let is_bare_input = changes.is_empty() && dimension == Dimension::NONE;
     let unit = match unit {
         Some(unit) => match read_unit(unit) {
             Ok(found) if found.dimension == dimension => unit.to_owned(),
             // A unit of the simulator, which is only displayed.
-            Err(_) if changes.is_empty() && dimension == Dimension::NONE => unit.to_owned(),
-            found => {
-                let bare = changes.is_empty() && dimension == Dimension::NONE && found.is_ok();
+            Err(_) if is_bare_input => unit.to_owned(),
+            _ => {
                 let mean = distribution.mean();
-                let advice = if bare { format!("; write mean = \"{mean} {unit}\"") } else { String::new() };
-                row.inconsistent("unit", format!("\"{unit}\" is not a unit of {dimension}{advice}"));
-                return None;
+                let write = format!("; write mean = \"{mean} {unit}\"");
+                let advice = if is_bare_input { write } else { String::new() };
+                let message = format!("\"{unit}\" is not a unit of {dimension}{advice}");
+                return row.inconsistent("unit", message).and(None);
             }
         },
         None => {
@@ -103,7 +102,7 @@ fn law(
         return Some((nominal, measured.distribution.clone(), Some(measured)));
     }
     if refuses_fit_without_samples(row) {
-        row.give_up();
+        row.given_up = true;
         return None;
     }
     let law = WrittenLaw::read(row);
@@ -126,8 +125,7 @@ fn nominal(
 ) -> Option<Quantity> {
     if changes.is_empty() {
         let Some((key, written)) = located else {
-            row.missing("mean", "the mean of this input, a quantity or a plain number");
-            return None;
+            return row.missing("mean", "the mean of this input, a quantity or a plain number").and(None);
         };
         return row.cx.value(&row.key(key), &written, None);
     }
@@ -137,24 +135,15 @@ fn nominal(
             return None;
         }
         row.reference("changes", "quantity", key, seen.keys().map(String::as_str))?;
-        let found = seen[key];
-        match first {
-            None => first = Some(found),
-            Some(first) if first.dimension != found.dimension => {
-                let message = format!("\"{key}\" is {}, the others are {}", found.dimension, first.dimension);
-                row.inconsistent("changes", message);
-                return None;
-            }
-            Some(first) if first.value != found.value && takes_nominal => {
-                let message = format!(
-                    "the nominal values differ ({} and {}), so mean must be given",
-                    in_first_unit(first.value, first.kind()),
-                    in_first_unit(found.value, found.kind())
-                );
-                row.inconsistent("changes", message);
-                return None;
-            }
-            Some(_) => {}
+        let (found, first) = (seen[key], *first.get_or_insert(seen[key]));
+        if first.dimension != found.dimension {
+            let message = format!("\"{key}\" is {}, the others are {}", found.dimension, first.dimension);
+            return row.inconsistent("changes", message).and(None);
+        }
+        if first.value != found.value && takes_nominal {
+            let [a, b] = [first, found].map(|quantity| in_first_unit(quantity.value, quantity.kind()));
+            let message = format!("the nominal values differ ({a} and {b}), so mean must be given");
+            return row.inconsistent("changes", message).and(None);
         }
     }
     first
@@ -165,8 +154,7 @@ fn changes(row: &mut Section) -> Option<Vec<String>> {
     let changes = row.texts("changes", "a list of keys, e.g. [\"parameters.rod_length\"]")?;
     if changes.is_empty() {
         let message = "is empty: the variable would change nothing; give the keys that it sets";
-        row.inconsistent("changes", message);
-        return None;
+        return row.inconsistent("changes", message).and(None);
     }
     Some(changes.into_iter().map(str::to_owned).collect())
 }
@@ -198,21 +186,18 @@ fn measured(
             row.inconsistent(key, "is that of the samples: give either samples or this key");
         }
     }
-    let words = Family::ALL.map(|family| (family.word(), family));
-    let family = row.if_any("fit", |row, key| row.choice(key, "a family of distributions", &words))?;
+    let family =
+        row.if_any("fit", |row, key| row.choice(key, "a family of distributions", &Family::WORDS))?;
     let changes = changes.filter(|_| row.cx.fault_count() == before)?;
     let located = first(list).map(|value| ("samples.1", value));
     let nominal = nominal(row, changes, scene, located, false)?;
     let samples = row.quantities("samples", nominal.kind())?;
-    let made = match family {
-        None => Distribution::empirical(&samples),
-        Some(family) => family.fit(&samples),
-    };
+    let made = family.map_or_else(|| Distribution::empirical(&samples), |family| family.fit(&samples));
     let refused = |error| match error {
         FitError::NotPositive(place) => {
             let value = in_first_unit(samples[place], nominal.kind());
             let allowed = "> 0 in this family; `fit = \"normal\"` takes all values";
-            row.out_of_range(&format!("samples.{}", place + 1), value, allowed);
+            row.out_of_range(&format!("samples.{}", place + 1), value, allowed)
         }
         FitError::Law(error) => row.inconsistent("fit", error.to_string()),
         other => row.inconsistent("samples", other.to_string()),
@@ -241,10 +226,9 @@ fn first(samples: &Value) -> Option<Value> {
 /// Refuses `fit = "lognormal"` without samples; true if it did.
 fn refuses_fit_without_samples(row: &mut Section) -> bool {
     let word = row.peek("fit").and_then(Value::as_str);
-    let Some(family) = Family::ALL.into_iter().find(|family| Some(family.word()) == word) else {
+    let Some((word, _)) = Family::WORDS.into_iter().find(|(known, _)| Some(*known) == word) else {
         return false;
     };
-    let word = family.word();
     let message = format!(
         "\"{word}\" is fitted to measured values: add samples = {{ csv = \"FILE\", column = \"NAME [UNIT]\" }}, or write \
          distribution = \"{word}\" with mean and std"
@@ -266,10 +250,7 @@ pub(super) fn correlations(
         let names = row.texts("variables", expected);
         let pair = names.and_then(|names| match names[..] {
             [a, b] if a != b => Some([a, b]),
-            _ => {
-                row.inconsistent("variables", format!("is not {expected}"));
-                None
-            }
+            _ => row.inconsistent("variables", format!("is not {expected}")).and(None),
         });
         let coefficient = coefficient(&mut row);
         row.finish();
@@ -278,8 +259,8 @@ pub(super) fn correlations(
             let names = variables.iter().map(|(name, _)| *name);
             let i = row.reference("variables", "random variable", name, names)?;
             if variables[i].1.as_ref().is_some_and(|(variable, _)| variable.distribution.is_constant()) {
-                row.inconsistent("variables", format!("\"{name}\" is constant and cannot be correlated"));
-                return None;
+                let message = format!("\"{name}\" is constant and cannot be correlated");
+                return row.inconsistent("variables", message).and(None);
             }
             Some(i)
         };
@@ -306,22 +287,11 @@ pub(super) fn correlations(
 
 /// The coefficient of the standard normals, from `coefficient` or `rank`.
 fn coefficient(row: &mut Section) -> Option<f64> {
-    let key = match (row.get("coefficient"), row.get("rank")) {
-        (Some(_), None) => "coefficient",
-        (None, Some(_)) => "rank",
-        (Some(_), Some(_)) => {
-            row.inconsistent_table("give either coefficient or rank, not both");
-            return None;
-        }
-        (None, None) => {
-            row.missing("coefficient", "a number between -1 and 1, or rank");
-            return None;
-        }
-    };
+    let expected = || "a number between -1 and 1, or rank".to_owned();
+    let key = row.either(["coefficient", "rank"], expected)?;
     let value = row.quantity(key, NUMBER, Range::Any)?;
     if value.abs() >= 1.0 {
-        row.out_of_range(key, value.to_string(), "> -1 and < 1");
-        return None;
+        return row.out_of_range(key, value.to_string(), "> -1 and < 1").and(None);
     }
     Some(if key == "rank" { normal_from_rank_correlation(value) } else { value })
 }

@@ -23,6 +23,13 @@ pub struct Warning {
     pub message: String,
 }
 
+impl Warning {
+    /// A warning that belongs to this key.
+    pub(super) fn new(key: String, message: impl Into<String>) -> Self {
+        Self { key, message: message.into() }
+    }
+}
+
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}: {}", self.key, self.message)
@@ -38,11 +45,8 @@ pub(super) fn warnings(scene: &Scene) -> Vec<Warning> {
 fn idle_loads(scene: &Scene) -> Vec<Warning> {
     let is_fixed = |body: usize| scene.bodies[body].motion == Motion::Fixed;
     let idle = scene.loads.iter().filter(|load| load.bodies().into_iter().all(is_fixed));
-    let warning = |load: &Load| Warning {
-        key: format!("loads.{}", load.name()),
-        message: "acts on fixed bodies only: it has no effect".to_owned(),
-    };
-    idle.map(warning).collect()
+    let message = "acts on fixed bodies only: it has no effect";
+    idle.map(|load| Warning::new(format!("loads.{}", load.name()), message)).collect()
 }
 
 fn loose_bodies(scene: &Scene) -> Vec<Warning> {
@@ -50,11 +54,8 @@ fn loose_bodies(scene: &Scene) -> Vec<Warning> {
     let held: Vec<usize> = joined.chain(scene.loads.iter().flat_map(Load::bodies)).collect();
     let bodies = scene.bodies.iter().enumerate();
     let loose = bodies.filter(|(k, body)| matches!(body.motion, Motion::Free { .. }) && !held.contains(k));
-    let warning = |(_, body): (usize, &Body)| Warning {
-        key: format!("bodies.{}", body.name),
-        message: "is held by no joint and no load: it has no effect on the other bodies".to_owned(),
-    };
-    loose.map(warning).collect()
+    let message = "is held by no joint and no load: it has no effect on the other bodies";
+    loose.map(|(_, body)| Warning::new(format!("bodies.{}", body.name), message)).collect()
 }
 
 fn single_loads(scene: &Scene) -> Vec<Warning> {
@@ -68,15 +69,9 @@ fn single_loads(scene: &Scene) -> Vec<Warning> {
         Over::Angle(body) => has_full_turns(&scene.bodies[body].motion),
     };
     let once = varying.filter(|(_, _, curve, _)| leaves_its_end(curve));
-    let warning = |(name, key, ..): (String, &str, _, _)| {
-        Warning {
-        key: format!("loads.{name}.{key}"),
-        message: "does not repeat, but the cycles follow each other: what comes before a measured cycle has the first value; \
-                  write repeat = true, or cycles = 1, checkpoint_every = 1, settle_cycles = 0"
-            .to_owned(),
-    }
-    };
-    once.map(warning).collect()
+    let message = "does not repeat, but the cycles follow each other: what comes before a measured cycle has the first value; \
+                   write repeat = true, or cycles = 1, checkpoint_every = 1, settle_cycles = 0";
+    once.map(|(name, key, ..)| Warning::new(format!("loads.{name}.{key}"), message)).collect()
 }
 
 /// True if a drive turns the body further with every cycle.
@@ -107,7 +102,7 @@ const GRAVITY: (f64, f64) = (0.1, 300.0);
 /// The warnings about a scene.
 pub(super) fn magnitudes(scene: &Scene) -> Vec<Warning> {
     let mut found = Vec::new();
-    let mut warn = |key: String, message: String| found.push(Warning { key, message });
+    let mut warn = |key: String, message: String| found.push(Warning::new(key, message));
     for (k, body) in scene.bodies.iter().enumerate() {
         for (key, message) in of_body(scene, k, body) {
             warn(format!("bodies.{}.{key}", body.name), message);
@@ -141,31 +136,28 @@ fn of_body(scene: &Scene, k: usize, body: &Body) -> Vec<(&'static str, String)> 
     let mut found = Vec::new();
     match &body.motion {
         Motion::Driven { drive: Drive::ConstantSpeed { speed, .. }, .. } if speed.abs() > LARGEST_SPEED => {
-            let turns = speed.abs() * 30.0 / std::f64::consts::PI;
+            let turns = speed.abs() * 30.0 / PI;
             found.push(("speed", format!("is {turns:.0} r/min, more than any machine has")));
         }
         Motion::Free { mass, inertia, centre_of_mass, .. } => {
-            if let Some(size) = size(scene, k, body, *centre_of_mass) {
-                let gyration = (inertia / mass).sqrt();
-                if gyration > LARGEST_GYRATION * size {
-                    let message = format!(
-                        "with the mass it gives a radius of gyration of {:.4} mm, but no point of the body is farther from its centre of \
-                         mass than {:.4} mm: check the units of inertia and mass",
-                        1e3 * gyration,
-                        1e3 * size
-                    );
-                    found.push(("inertia", message));
-                }
-                let density = mass / (2.0 * size).powi(3);
-                if !within(density, DENSITIES) {
-                    let message = format!(
-                        "is {:.3e} kg in a body of {:.4} mm: a block of that size would have {density:.1e} kg/m^3 (steel: 7850): check the \
-                         unit",
-                        mass,
-                        2e3 * size
-                    );
-                    found.push(("mass", message));
-                }
+            let Some(size) = size(scene, k, body, *centre_of_mass) else { return found };
+            let gyration = (inertia / mass).sqrt();
+            if gyration > LARGEST_GYRATION * size {
+                let (gyration, size) = (1e3 * gyration, 1e3 * size);
+                let message = format!(
+                    "with the mass it gives a radius of gyration of {gyration:.4} mm, but no point of the body is farther from its centre of \
+                     mass than {size:.4} mm: check the units of inertia and mass"
+                );
+                found.push(("inertia", message));
+            }
+            let density = mass / (2.0 * size).powi(3);
+            if !within(density, DENSITIES) {
+                let width = 2e3 * size;
+                let message = format!(
+                    "is {mass:.3e} kg in a body of {width:.4} mm: a block of that size would have {density:.1e} kg/m^3 (steel: 7850): check \
+                     the unit"
+                );
+                found.push(("mass", message));
             }
         }
         _ => {}
@@ -223,13 +215,12 @@ fn of_wear(first: f64, second_key: &'static str, second: Option<f64>) -> Vec<(&'
     let both = [("wear_coefficient", Some(first)), (second_key, second)];
     let given = both.into_iter().filter_map(|(key, wear)| Some((key, wear?)));
     let unusual = given.filter(|(_, wear)| *wear > 0.0 && !within(*wear, WEAR));
-    let message = |wear| {
-        format!(
-            "is {wear:.3e} 1/Pa = {:.3e} mm^3/(N m); lubricated steel has about 1e-17 to 1e-13 1/Pa: check the unit",
-            1e9 * wear
-        )
+    let warning = |(key, wear): (&'static str, f64)| {
+        let per_work = 1e9 * wear;
+        let usual = "lubricated steel has about 1e-17 to 1e-13 1/Pa: check the unit";
+        (key, format!("is {wear:.3e} 1/Pa = {per_work:.3e} mm^3/(N m); {usual}"))
     };
-    unusual.map(|(key, wear)| (key, message(wear))).collect()
+    unusual.map(warning).collect()
 }
 
 #[cfg(test)]

@@ -40,11 +40,9 @@ pub enum BlockStep {
 impl BlockStep {
     /// Reads the length of a block, if it is written.
     fn read(section: &mut Section, key: &'static str) -> Option<Self> {
-        if section.get(key).is_none() {
-            return Some(BlockStep::Controlled);
-        }
+        let cycles = section.if_any(key, |section, key| section.integer(key, 1..=COUNT_LIMIT, None))?;
         // It fits: COUNT_LIMIT is below u32::MAX.
-        section.integer(key, 1..=COUNT_LIMIT, None).map(|cycles| BlockStep::Explicit(cycles as u32))
+        Some(cycles.map_or(BlockStep::Controlled, |cycles| BlockStep::Explicit(cycles as u32)))
     }
 }
 
@@ -82,19 +80,17 @@ impl WearModel {
 
     /// The choices that are not the default, in words.
     pub fn chosen(&self) -> Vec<String> {
+        let Self { explicit_step, distribution, spline } = *self;
         let default = Self::default();
-        let mut chosen = vec![];
-        if let BlockStep::Explicit(cycles) = self.explicit_step {
-            let block = format!("one explicit Euler step wears a block of {cycles} cycles");
-            chosen.push(format!("{block}, without error control, as published"));
-        }
-        if self.distribution != default.distribution {
-            chosen.push(self.distribution.explanation().to_owned());
-        }
-        if self.spline != default.spline {
-            chosen.push(self.spline.explanation().to_owned());
-        }
-        chosen
+        let step = match explicit_step {
+            BlockStep::Controlled => None,
+            BlockStep::Explicit(cycles) => Some(format!(
+                "one explicit Euler step wears a block of {cycles} cycles, without error control, as published"
+            )),
+        };
+        let share = (distribution != default.distribution).then(|| distribution.explanation().to_owned());
+        let bore = (spline != default.spline).then(|| spline.explanation().to_owned());
+        [step, share, bore].into_iter().flatten().collect()
     }
 }
 
@@ -116,11 +112,8 @@ pub(super) fn wear_model<'a>(
     let WearModel { explicit_step, distribution, spline } = model?;
     if distribution == WearDistribution::PointsInside && explicit_step == BlockStep::Controlled {
         // The published drive fails at 66 000 cycles: no sub-step passes a jump of the rate within its tolerance.
-        section.inconsistent(
-            "distribution",
-            "needs explicit_step: its wear rate jumps where a point comes into the arc",
-        );
-        return None;
+        let message = "needs explicit_step: its wear rate jumps where a point comes into the arc";
+        return section.inconsistent("distribution", message).and(None);
     }
     for Joint { name, kind, .. } in joints {
         let JointKind::Clearance(clearance) = kind else { continue };
@@ -128,13 +121,11 @@ pub(super) fn wear_model<'a>(
         let is_local = clearance.contact_law == ContactLaw::LocalHertz;
         if distribution == WearDistribution::PointsInside && (of_bushing || of_journal) && !is_local {
             let message = format!("needs contact_law = \"local-hertz\", which joint {name} does not have");
-            section.inconsistent("distribution", message);
-            return None;
+            return section.inconsistent("distribution", message).and(None);
         }
         if spline == BoreSpline::Approximating && of_journal {
             let message = format!("is for bores alone, but the journal of joint {name} wears");
-            section.inconsistent("spline", message);
-            return None;
+            return section.inconsistent("spline", message).and(None);
         }
     }
     model

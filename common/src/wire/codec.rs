@@ -132,12 +132,8 @@ pub fn encode<M: Message>(message: &M) -> Result<Vec<u8>, WireError> {
 /// # Errors
 /// Any [`WireError`]; the version is checked first, right after the magic number.
 pub fn decode<M: Message>(frame: &[u8]) -> Result<M, WireError> {
-    let Some((header, payload)) = frame.split_first_chunk::<HEADER>() else {
-        return Err(WireError::NotOurs);
-    };
-    if header[..4] != MAGIC {
-        return Err(WireError::NotOurs);
-    }
+    let frame = frame.split_first_chunk::<HEADER>().filter(|(header, _)| header[..4] == MAGIC);
+    let (header, payload) = frame.ok_or(WireError::NotOurs)?;
     let theirs = u16::from_le_bytes([header[4], header[5]]);
     if theirs != PROTOCOL_VERSION {
         return Err(WireError::OtherVersion { theirs, ours: PROTOCOL_VERSION });

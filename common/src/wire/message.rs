@@ -205,15 +205,9 @@ pub fn is_worker_name(name: &str) -> bool {
 
 /// A worker name from any text, e.g. a host name: characters not allowed in a key become `-`.
 pub fn worker_name(text: &str) -> String {
-    let mut name: String = text
-        .chars()
-        .map(|c| if c.is_ascii() && is_name_byte(c as u8) { c } else { '-' })
-        .take(LONGEST_NAME)
-        .collect();
-    if name.is_empty() {
-        name.push('-');
-    }
-    name
+    let text = if text.is_empty() { "-" } else { text };
+    let allowed = |c: char| if c.is_ascii() && is_name_byte(c as u8) { c } else { '-' };
+    text.chars().map(allowed).take(LONGEST_NAME).collect()
 }
 
 fn is_name_byte(byte: u8) -> bool {
@@ -265,13 +259,9 @@ fn check_task(task: &Task) -> Result<(), WireError> {
 fn check_outcome(outcome: &Outcome) -> Result<(), WireError> {
     numbers::all_finite("wall time", &[outcome.wall])?;
     check_task(&outcome.task)?;
-    let bad = |quantity: String| WireError::NotFinite(quantity);
-    match &outcome.result {
-        Ok(evaluation) => match numbers::find_non_finite(evaluation) {
-            Some(found) => Err(bad(found.quantity)),
-            None => Ok(()),
-        },
-        Err(failure) if !numbers::failure_is_finite(failure) => Err(bad("failure".into())),
-        Err(_) => Ok(()),
-    }
+    let wrong = match &outcome.result {
+        Ok(evaluation) => numbers::find_non_finite(evaluation).map(|found| found.quantity),
+        Err(failure) => (!numbers::failure_is_finite(failure)).then(|| "failure".to_owned()),
+    };
+    wrong.map_or(Ok(()), |quantity| Err(WireError::NotFinite(quantity)))
 }

@@ -2,7 +2,7 @@
 
 use super::codec::WireError;
 use crate::failure::SimulationFailure;
-use crate::outputs::{CycleHistory, Evaluation};
+use crate::outputs::{CycleHistory, Evaluation, JointSummary};
 
 /// A number that is NaN or infinite.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -29,14 +29,13 @@ pub fn find_non_finite(evaluation: &Evaluation) -> Option<NonFinite> {
         return elsewhere(format!("start[{output}]"));
     }
     for joint in joints {
-        if !joint.peak_force.is_finite() {
-            return elsewhere(format!("peak force of joint {}", joint.name));
-        }
-        if let Some(at) = position(&joint.wear_depth) {
-            return elsewhere(format!("wear depth {at} of joint {}", joint.name));
-        }
-        if let Some(at) = position(&joint.journal_wear_depth) {
-            return elsewhere(format!("wear depth {at} of the journal of joint {}", joint.name));
+        let JointSummary { name, peak_force, wear_depth, journal_wear_depth } = joint;
+        let peak = (!peak_force.is_finite()).then(|| format!("peak force of joint {name}"));
+        let bore = position(wear_depth).map(|at| format!("wear depth {at} of joint {name}"));
+        let journal = position(journal_wear_depth);
+        let journal = journal.map(|at| format!("wear depth {at} of the journal of joint {name}"));
+        if let Some(quantity) = peak.or(bore).or(journal) {
+            return elsewhere(quantity);
         }
     }
     let last_cycle = worn.as_ref().and_then(|worn| worn.last_cycle.as_ref());
@@ -95,9 +94,7 @@ pub fn failure_is_finite(failure: &SimulationFailure) -> bool {
         F::DeadPoint { time, angle, .. } => time.is_finite() && angle.is_finite(),
         F::ChangePoint { angle, .. } => angle.is_finite(),
         F::WornThrough { depth, wall, .. } => depth.is_finite() && wall.is_finite(),
-        F::StepTooSmall { time, step, error, .. } => {
-            time.is_finite() && step.is_finite() && error.is_finite()
-        }
+        F::StepTooSmall { time, step, error, .. } => [time, step, error].iter().all(|x| x.is_finite()),
         F::TooManySteps { time, .. }
         | F::NotFinite { time, .. }
         | F::Singular { time, .. }

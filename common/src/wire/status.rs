@@ -40,12 +40,7 @@ pub enum Phase {
 impl Phase {
     /// Name of the phase in one word, for display and scripts.
     pub fn name(self) -> &'static str {
-        match self {
-            Phase::Waiting => "waiting",
-            Phase::Simulating => "simulating",
-            Phase::Learning => "learning",
-            Phase::Ending => "ending",
-        }
+        ["waiting", "simulating", "learning", "ending"][self as usize]
     }
 }
 

@@ -12,7 +12,7 @@ use coordinator::statistics::design::Population;
 use coordinator::statistics::learning::{ClassifiedMode, classify_cached};
 use coordinator::statistics::surrogate::{
     Correlation, Effort, Form, FormSettings, Kernel, Kriging, Likelihood, PredictionCache, TrainingSet,
-    Trend, Update, fit_correlation, fit_surrogate,
+    Trend, fit_correlation, fit_surrogate,
 };
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Mat, MatRef, Par};
@@ -189,7 +189,7 @@ fn predict() -> Result<String, Box<dyn std::error::Error>> {
     for i in N - 5..N {
         let start = Instant::now();
         model = model.extended(points.subcols(i, 1), values.subrows(i, 1), None)?;
-        if cache.update(&model, &population) != (Update::Extended { rows: 1 }) {
+        if cache.update(&model, &population) != Some(1) {
             return Err("the cache did not see that one point was added".into());
         }
         std::hint::black_box(classify_cached(&mut cache, &model, &population, &mode));

@@ -14,12 +14,13 @@
 //! The standard error of paired differences is that of common random numbers: Glasserman (2003), Monte Carlo Methods in
 //! Financial Engineering, Springer.
 
+use crate::simulated::{SimulatedPoint, completed};
 use common::failure::SimulationFailure;
 use common::scene::Scene;
 use coordinator::statistics::learning::{Mode, with_system};
 use coordinator::study::{
-    Campaign, CampaignResult, Observations, ObservedOutcome, Plan, Problem, Settings, SimulatedPoint,
-    StoredOutcome, StudyError, Surrogate, completed, learn_from_results,
+    Campaign, CampaignResult, Observations, ObservedOutcome, Plan, Problem, Settings, StoredOutcome,
+    StudyError, Surrogate, learn_from_results,
 };
 use faer::Mat;
 use std::collections::HashMap;

@@ -16,11 +16,12 @@
 
 use crate::Study;
 use crate::against::{first_failures, observations};
+use crate::simulated::SimulatedPoint;
 use coordinator::results::summary::StudySummary;
 use coordinator::statistics::design::{InputModel, Population};
 use coordinator::statistics::learning::Mode;
 use coordinator::statistics::reliability::REACH;
-use coordinator::study::{Problem, SimulatedPoint, Surrogate, learn_from_results};
+use coordinator::study::{Problem, Surrogate, learn_from_results};
 use faer::Mat;
 use faer::linalg::solvers::SolveLstsq;
 use std::collections::HashMap;

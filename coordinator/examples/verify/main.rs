@@ -14,6 +14,7 @@
 mod against;
 mod finer;
 mod rounds;
+mod simulated;
 
 use against::{Verification, verify};
 use clap::Parser;
@@ -25,9 +26,10 @@ use coordinator::results::summary::StudySummary;
 use coordinator::statistics::learning::LearningFunction;
 use coordinator::statistics::reliability::REACH;
 use coordinator::statistics::surrogate::{Kernel, Trend};
-use coordinator::study::{Observed, Settings, SimulatedPoint, StoredOutcome};
+use coordinator::study::{Observed, Settings, StoredOutcome};
 use finer::{finer_reliability, print_finer};
 use rounds::{Replayed, replay};
+use simulated::SimulatedPoint;
 use std::collections::HashSet;
 use std::error::Error;
 use std::path::{Path, PathBuf};

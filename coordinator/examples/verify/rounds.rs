@@ -3,12 +3,11 @@
 //! on a real mechanism in seconds.
 
 use crate::against::{first_failures, observations};
+use crate::simulated::{SimulatedPoint, completed};
 use common::failure::SimulationFailure;
 use common::scene::Scene;
 use coordinator::statistics::learning::{StoppingTargets, curves};
-use coordinator::study::{
-    Campaign, Observed, Plan, Problem, Settings, SimulatedPoint, StopReason, StudyError, Surrogate, completed,
-};
+use coordinator::study::{Campaign, Observed, Plan, Problem, Settings, StopReason, StudyError, Surrogate};
 use std::collections::HashMap;
 use std::time::Instant;
 use thiserror::Error;

@@ -61,30 +61,11 @@ pub struct TriedSetting {
 #[derive(Debug, Error)]
 pub enum BudgetError {
     /// No setting keeps the budget.
-    #[error(
-        "no accuracy keeps the stated error below {budget}: the best setting, {setting}, gives {output} to {best} of its limit; \
-         allow at least {best}{advice}"
-    )]
-    OutOfReach {
-        /// The budget in percent.
-        budget: String,
-        /// Output that exceeds the budget with the best setting.
-        output: String,
-        /// Error of the best setting in percent.
-        best: String,
-        /// Name of the setting.
-        setting: String,
-        /// What else may help; empty if finer settings do.
-        advice: &'static str,
-    },
+    #[error("no accuracy keeps the stated error below {0}")]
+    OutOfReach(String),
     /// No setting gives a result.
-    #[error("no accuracy gives a result at every point; with {setting}: {failure}")]
-    Failed {
-        /// Name of the last setting.
-        setting: String,
-        /// Failure of the simulation.
-        failure: SimulationFailure,
-    },
+    #[error("no accuracy gives a result at every point; with {0}: {1}")]
+    Failed(String, SimulationFailure),
     /// The scene has no output.
     #[error("an error budget needs an output; this scene has none")]
     NothingToHold,
@@ -119,8 +100,11 @@ pub fn choose_setting(
     for name in ladder {
         let setting: NamedAccuracy = name.parse()?;
         let warm_up = setting.accuracy.warm_up;
-        let comparable = attempts.iter().rev().find(|attempt| attempt.setting.accuracy.warm_up == warm_up);
-        if comparable.is_some_and(|last| cannot_be_enough(last, &setting.accuracy, budget)) {
+        let comparable = attempts.iter().rfind(|attempt| attempt.setting.accuracy.warm_up == warm_up);
+        let left = |TriedSetting { setting: last, worst }: &TriedSetting| {
+            Some(worst.as_ref().ok()?.error * least_remainder(&last.accuracy, &setting.accuracy))
+        };
+        if comparable.and_then(left).is_some_and(|error| error > budget) {
             continue;
         }
         let attempt = attempt(scene, budget, setting.clone(), points, evaluator)?;
@@ -141,19 +125,11 @@ fn least_remainder(from: &Accuracy, to: &Accuracy) -> f64 {
         return 0.0;
     }
     let square = |a: f64, b: f64| (b / a) * (b / a);
-    [
-        to.step_tolerance / from.step_tolerance,
-        square(f64::from(from.cycle_jump), f64::from(to.cycle_jump)),
-        square(to.wear_samples as f64, from.wear_samples as f64),
-        to.wear_tolerance / from.wear_tolerance,
-    ]
-    .into_iter()
-    .fold(1.0, f64::min)
-}
-
-fn cannot_be_enough(last: &TriedSetting, next: &Accuracy, budget: f64) -> bool {
-    let error = last.worst.as_ref().map_or(0.0, |worst| worst.error);
-    error * least_remainder(&last.setting.accuracy, next) > budget
+    let steps = to.step_tolerance / from.step_tolerance;
+    let jumps = square(f64::from(from.cycle_jump), f64::from(to.cycle_jump));
+    let samples = square(to.wear_samples as f64, from.wear_samples as f64);
+    let wear = to.wear_tolerance / from.wear_tolerance;
+    [steps, jumps, samples, wear].into_iter().fold(1.0, f64::min)
 }
 
 /// Tries a setting at the nominal point and, if it keeps the budget there, at the other points.
@@ -173,14 +149,13 @@ fn attempt(
         let (outcomes, end) = evaluator.outcomes(&requests, &mut |_| ());
         end?;
         for finished in outcomes.into_iter().flatten() {
-            match finished.outcome {
-                Ok(evaluation) => {
-                    for found in shares(scene, &evaluation) {
-                        worst = if found.error > worst.error { found } else { worst };
-                    }
-                }
+            let found = match finished.outcome {
+                Ok(evaluation) => shares(scene, &evaluation),
                 Err(failure) => return Ok(TriedSetting { setting, worst: Err(failure) }),
-            }
+            };
+            worst = found
+                .into_iter()
+                .fold(worst, |worst, next| if next.error > worst.error { next } else { worst });
         }
         if worst.error > budget {
             break;
@@ -210,6 +185,9 @@ pub fn shares(scene: &Scene, evaluation: &Evaluation) -> Vec<OutputShare> {
     limits.map(|limit| share(limit.output, limit.scale(), passed(limit))).collect()
 }
 
+/// What may help where finer settings do not.
+const NOT_FINER: &str = "; finer settings hardly lessen this error: if it is of the wear, raise `control_points`, which no \
+                         accuracy changes; if it is of the motion, see whether `coordinator simulate` finds that it has not settled";
 /// Share of the error of the coarsest setting above which the finer ones count as of little use [1].
 const LITTLE: f64 = 0.5;
 
@@ -219,24 +197,16 @@ fn refusal(budget: f64, attempts: Vec<TriedSetting>) -> BudgetError {
     let best = results.iter().min_by(|a, b| a.0.error.total_cmp(&b.0.error));
     if let Some((worst, setting)) = best {
         let coarsest = results.iter().filter(|(of, _)| of.output == worst.output).map(|(of, _)| of.error);
-        let flat = worst.error > LITTLE * coarsest.fold(0.0, f64::max);
-        return BudgetError::OutOfReach {
-            budget: short_percent(budget),
-            output: worst.output.clone(),
-            best: short_percent(worst.error),
-            setting: (*setting).clone(),
-            advice: if flat {
-                "; finer settings hardly lessen this error: if it is of the wear, raise `control_points`, which no accuracy changes; if it is of the motion, see \
-                 whether `coordinator simulate` finds that it has not settled"
-            } else {
-                ""
-            },
-        };
+        let is_flat = worst.error > LITTLE * coarsest.fold(0.0, f64::max);
+        let (budget, best) = (short_percent(budget), short_percent(worst.error));
+        return BudgetError::OutOfReach(format!(
+            "{budget}: the best setting, {setting}, gives {} to {best} of its limit; allow at least {best}{}",
+            worst.output,
+            if is_flat { NOT_FINER } else { "" }
+        ));
     }
     match attempts.into_iter().next_back() {
-        Some(TriedSetting { setting, worst: Err(failure), .. }) => {
-            BudgetError::Failed { setting: setting.name, failure }
-        }
+        Some(TriedSetting { setting, worst: Err(failure) }) => BudgetError::Failed(setting.name, failure),
         _ => BudgetError::NothingToHold,
     }
 }

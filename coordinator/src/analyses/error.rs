@@ -26,19 +26,8 @@ pub enum AnalysisError {
     #[error("the distribution of a variable does not exist at a design: {0}")]
     Law(#[from] LawError),
     /// Too few simulations succeeded for a fit.
-    #[error(
-        "{succeeded} of {all} simulations gave a result, fewer than the {least} that {dimension} variables and parameters need"
-    )]
-    TooFew {
-        /// Simulations with a result.
-        succeeded: usize,
-        /// Number of all simulations.
-        all: usize,
-        /// Least number for a fit.
-        least: usize,
-        /// Number of variables and free parameters.
-        dimension: usize,
-    },
+    #[error("{0}")]
+    TooFew(String),
     /// A surrogate could not be fitted.
     #[error(transparent)]
     Surrogate(#[from] SurrogateError),

@@ -1,8 +1,8 @@
 //! The changes of reliabilities and lives between two results from the same simulations, over populations of common random
 //! numbers.
 
-use crate::results::life_summary::LifeRow;
-use crate::results::summary::{ReliabilityRow, StudySummary};
+use crate::results::life_summary::{CyclesRange, LifeRow};
+use crate::results::summary::{ReliabilityRange, ReliabilityRow, StudySummary};
 use crate::statistics::reliability::REACH;
 use crate::statistics::reliability::paired::{
     Change, IntervalEstimate, OtherErrors, change, sampling_correlation,
@@ -29,6 +29,13 @@ pub struct ChangeOfLife {
     pub reliability: f64,
     /// Change of the life with its 95 % interval [cycles]; absent where one of the lives is not known.
     pub cycles: Option<Change>,
+}
+
+impl ChangeOfLife {
+    /// True for the life of this curve at this level of the reliability.
+    pub fn is_of(&self, name: &str, level: f64) -> bool {
+        self.limit_state == name && self.reliability.to_bits() == level.to_bits()
+    }
 }
 
 /// The points of both populations, which are made from the same uniform numbers.
@@ -61,14 +68,9 @@ impl PairedResults {
     pub fn reliability(&self, before: &StudySummary, after: &StudySummary) -> Vec<ReliabilityChange> {
         let names = curve_names(before);
         let interval = |row: &ReliabilityRow, name: &str| {
-            let range = row.interval_of(name)?;
+            let ReliabilityRange { lower, upper } = row.interval_of(name)?;
             let value = *row.reliability.get(name)?;
-            Some(IntervalEstimate {
-                value,
-                lower: range.lower,
-                upper: Some(range.upper),
-                sampling: self.sampling(value),
-            })
+            Some(IntervalEstimate { value, lower, upper: Some(upper), sampling: self.sampling(value) })
         };
         let rows = before.reliability.iter().zip(&after.reliability).enumerate();
         rows.map(|(n, (before, after))| {
@@ -97,11 +99,9 @@ impl PairedResults {
             let both = b.cycles.zip(a.cycles).and_then(|(life_before, life_after)| {
                 let c = names.iter().position(|name| *name == b.limit_state)?;
                 let r = self.correlation(c, (nearest(life_before), nearest(life_after)));
-                let interval = |row: &LifeRow, value: f64, summary: &StudySummary| IntervalEstimate {
-                    value,
-                    lower: row.whole_interval().lower,
-                    upper: row.whole_interval().upper,
-                    sampling: self.sampling_of_life(summary, row),
+                let interval = |row: &LifeRow, value: f64, summary: &StudySummary| {
+                    let CyclesRange { lower, upper } = row.whole_interval();
+                    IntervalEstimate { value, lower, upper, sampling: self.sampling_of_life(summary, row) }
                 };
                 let (before, after) = (interval(b, life_before, before), interval(a, life_after, after));
                 Some(change(before, after, r, self.errors))
@@ -114,22 +114,25 @@ impl PairedResults {
     /// Half of the 95 % interval of sampling of a life [cycles], read from the curve at the level and its interval.
     fn sampling_of_life(&self, summary: &StudySummary, row: &LifeRow) -> f64 {
         let reach = self.sampling(row.reliability);
-        let Some(curve) = summary.curves.iter().find(|curve| curve.limit_state == row.limit_state) else {
-            return 0.0;
+        let curve = summary.curves.iter().find(|curve| curve.limit_state == row.limit_state);
+        let life = |level: f64| {
+            let curve = curve.filter(|curve| curve.reliability[0] > level)?;
+            reached(&curve.cycles, &curve.reliability, level)
         };
-        let lives = [row.reliability + reach, row.reliability - reach].map(|level| {
-            reached(&curve.cycles, &curve.reliability, level).filter(|_| curve.reliability[0] > level)
-        });
-        match lives {
-            [Some(first), Some(last)] => 0.5 * (last - first),
-            _ => 0.0,
-        }
+        let lives = life(row.reliability + reach).zip(life(row.reliability - reach));
+        lives.map_or(0.0, |(first, last)| 0.5 * (last - first))
     }
 }
 
 /// Names of the curves: the limit states and `total`.
 pub fn curve_names(summary: &StudySummary) -> Vec<String> {
     summary.limit_states.iter().cloned().chain(["total".to_owned()]).collect()
+}
+
+/// At most `count` >= 2 of the values, evenly spread from the first to the last one.
+pub(in crate::analyses) fn spread<T: Copy>(values: &[T], count: usize) -> Vec<T> {
+    let n = values.len().min(count);
+    (0..n).map(|i| values[i * (values.len() - 1) / (n - 1).max(1)]).collect()
 }
 
 /// The time at which straight lines between `values` `(g,)` [1] at `cycles` `(g,)` first fall to a level [cycles].

@@ -34,11 +34,16 @@ impl ShownUnit {
 /// # Errors
 /// What is wrong and what is expected, in words.
 pub fn output_quantity(output: &Output, text: &str) -> Result<f64, String> {
-    let unit = output.kind.unit();
-    if let OutputUnit::External(unit) = &unit {
-        return external(unit, text);
+    match output.kind.unit() {
+        OutputUnit::External(unit) => external(&unit, text),
+        unit => read_quantity(text, unit.kind()).map_err(|fault| fault.to_string()),
     }
-    read_quantity(text, unit.kind()).map_err(|fault| fault.to_string())
+}
+
+fn external(unit: &str, text: &str) -> Result<f64, String> {
+    let read = number_and_unit(text).filter(|(_, found)| found.is_empty() || *found == unit);
+    let expected = if unit.is_empty() { String::new() } else { format!(" in {unit}") };
+    read.map(|(value, _)| value).ok_or_else(|| format!("{text:?}: expected a number{expected}"))
 }
 
 /// The checkpoint at the key `cycles` of a row, its index and its life [cycles]; by default `default`, without one it is required.
@@ -47,10 +52,8 @@ pub fn checkpoint(row: &mut Section, life: &Life, default: Option<u32>) -> Optio
     let cycles = row.integer("cycles", 1..=i64::from(u32::MAX), default.map(i64::from))?;
     let found = all.iter().position(|other| i64::from(*other) == cycles);
     if found.is_none() && all.len() == 1 {
-        row.inconsistent(
-            "cycles",
-            format!("{cycles}: the study has no life, so a target has no cycles; remove the key"),
-        );
+        let what = "the study has no life, so a target has no cycles; remove the key";
+        row.inconsistent("cycles", format!("{cycles}: {what}"));
     } else if found.is_none() {
         let allowed =
             format!("a checkpoint of the life: {} to {} by {}", all[0], life.cycles, life.checkpoint_every);
@@ -65,12 +68,6 @@ pub fn limit_state<'s>(row: &mut Section<'s>, scene: &Scene) -> Option<(&'s str,
     let limits = scene.limit_states.iter().map(|limit| limit.name.as_str());
     let place = row.meant("limit_state", "limit state", name, limits.chain(["total"]))?;
     Some((name, Some(place).filter(|place| *place < scene.limit_states.len())))
-}
-
-fn external(unit: &str, text: &str) -> Result<f64, String> {
-    let read = number_and_unit(text).filter(|(_, found)| found.is_empty() || *found == unit);
-    let expected = if unit.is_empty() { String::new() } else { format!(" in {unit}") };
-    read.map(|(value, _)| value).ok_or_else(|| format!("{text:?}: expected a number{expected}"))
 }
 
 #[cfg(test)]

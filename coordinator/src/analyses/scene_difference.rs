@@ -19,13 +19,12 @@ pub struct DifferingKey {
 pub fn differing_keys(scenes: &[&SceneSource]) -> Vec<DifferingKey> {
     let all: Vec<BTreeMap<String, String>> = scenes.iter().map(|scene| written_values(scene)).collect();
     let keys: BTreeSet<&String> = all.iter().flat_map(BTreeMap::keys).collect();
-    keys.into_iter()
-        .map(|key| DifferingKey {
-            key: key.clone(),
-            values: all.iter().map(|values| values.get(key).cloned()).collect(),
-        })
-        .filter(|differing| differing.values.iter().any(|value| *value != differing.values[0]))
-        .collect()
+    let differing = |key: &String| {
+        let values: Vec<_> = all.iter().map(|values| values.get(key).cloned()).collect();
+        let differ = values.iter().any(|value| *value != values[0]);
+        differ.then(|| DifferingKey { key: key.clone(), values })
+    };
+    keys.into_iter().filter_map(differing).collect()
 }
 
 /// All values of a scene by the paths of their keys.

@@ -7,9 +7,9 @@
 //! replace the others; what the distribution then lacks is taken from the present one.
 
 use super::setting::{Allowed, Place, Setting, parse_all};
-use common::random::{Distribution, RandomVariable};
+use common::random::{Correlation, Distribution, RandomVariable};
 use common::scene::expression::read_unit;
-use common::scene::{DEFAULT_LAW, Fault, Faults, LAWS, MeasuredVariable, SceneSource};
+use common::scene::{DEFAULT_LAW, Fault, Faults, LAWS, Scene, SceneSource};
 use toml::{Table, Value};
 
 /// Keys of a tolerance fit that gives a variable its moments.
@@ -44,14 +44,11 @@ pub fn redistributed(source: &SceneSource, settings: &[String]) -> Result<SceneS
 /// # Errors
 /// Keys that lead nowhere, or the faults of the changed scene.
 pub fn with_keys(source: &SceneSource, origin: &str, keys: &Table) -> Result<SceneSource, Faults> {
+    let what = "the scene has no such key; allowed: the path of a key, e.g. joints.crank.contact_law, with * for all rows";
     let mut faults: Vec<Fault> = Vec::new();
     let changed = source.edited(origin, |document| {
-        for (key, value) in keys {
-            let parts: Vec<&str> = key.split('.').collect();
-            if insert(document, &parts, value.clone()).is_none() {
-                faults.push(Fault::new(origin, key, "the scene has no such key; allowed: the path of a key, e.g. joints.crank.contact_law, with * for all rows"));
-            }
-        }
+        let refused = keys.iter().filter(|(key, value)| insert(document, key, value).is_none());
+        faults.extend(refused.map(|(key, _)| Fault::new(origin, key, what)));
     });
     if faults.is_empty() { changed } else { Err(Faults(faults)) }
 }
@@ -76,21 +73,18 @@ fn edited(source: &SceneSource, settings: &[Setting]) -> Result<SceneSource, Fau
     if settings.is_empty() {
         return Ok(source.clone());
     }
-    let of_variable = |k: usize| {
-        let of = move |setting: &Setting| match setting.place {
+    let of_variable = |k: usize| -> Vec<(&str, Value)> {
+        let of = |setting: &Setting| match setting.place {
             Place::Variable(i, key) if i == k => Some((key, setting.value.clone())),
             _ => None,
         };
-        settings.iter().filter_map(of).collect::<Vec<(&str, Value)>>()
+        settings.iter().filter_map(of).collect()
     };
     // A distribution without moments of its own moves to those that a normal one has as they are written.
     let moves = |k: &usize| {
-        let keys = of_variable(*k);
-        matches!(
-            source.variables()[*k].distribution,
-            Distribution::Triangular(_) | Distribution::Empirical(_)
-        ) && !keys.is_empty()
-            && keys.iter().all(|(key, _)| ["mean", "std"].contains(key))
+        let (keys, law) = (of_variable(*k), &source.variables()[*k].distribution);
+        let has_none = matches!(law, Distribution::Triangular(_) | Distribution::Empirical(_));
+        has_none && !keys.is_empty() && keys.iter().all(|(key, _)| ["mean", "std"].contains(key))
     };
     let moved: Vec<usize> = (0..source.variables().len()).filter(moves).collect();
     let normal = |k: &usize| Setting { place: Place::Variable(*k, "distribution"), value: "normal".into() };
@@ -103,7 +97,8 @@ fn edited(source: &SceneSource, settings: &[Setting]) -> Result<SceneSource, Fau
             let set = of_variable(k);
             let Some(row) = row(document, &variable.name).filter(|_| !set.is_empty()) else { continue };
             if moved.contains(&k) {
-                let samples = source.measured().iter().find(|measured| measured.name == variable.name);
+                let measured = source.measured().iter().find(|measured| measured.name == variable.name);
+                let samples = measured.map(|measured| measured.samples.as_slice());
                 move_values(row, variable, samples, &targets.variables()[k].distribution);
             } else {
                 change_variable(row, variable, &set);
@@ -113,11 +108,9 @@ fn edited(source: &SceneSource, settings: &[Setting]) -> Result<SceneSource, Fau
             match place {
                 Place::Variable(..) => {}
                 Place::Quantity(key) | Place::Threshold(key) => {
-                    let parts: Vec<&str> = key.split('.').collect();
-                    if insert(document, &parts, value.clone()).is_none() {
-                        let what = "this key cannot be set; write a scene that `extends` this one";
-                        faults.push(Fault::new("--set", key, what));
-                    }
+                    let what = "this key cannot be set; write a scene that `extends` this one";
+                    let found = insert(document, key, value);
+                    faults.extend(found.is_none().then(|| Fault::new("--set", key, what)));
                 }
                 Place::Correlation(pair) => {
                     let names = pair.map(|k| source.variables()[k].name.as_str());
@@ -147,6 +140,12 @@ pub fn row<'d>(document: &'d mut Table, name: &str) -> Option<&'d mut Table> {
     rows(document, "variables").iter_mut().filter_map(Value::as_table_mut).find(is_asked)
 }
 
+/// Correlation of the standard normals of two variables of a scene, 0 without one [1].
+pub fn correlation_of(scene: &Scene, i: usize, k: usize) -> f64 {
+    let is_pair = |c: &&Correlation| [(i, k), (k, i)].contains(&(c.first, c.second));
+    scene.correlations.iter().find(is_pair).map_or(0.0, |c| c.coefficient)
+}
+
 /// A row of the list of random variables: one that changes these `keys`, with the keys of its distribution.
 pub fn variable_row(name: &str, keys: &[String], law: &[(&str, Value)]) -> Table {
     let row = [("name", Value::from(name)), ("changes", Value::from(keys.to_vec()))];
@@ -156,59 +155,60 @@ pub fn variable_row(name: &str, keys: &[String], law: &[(&str, Value)]) -> Table
 
 /// Writes a value at the path of a key: keys of tables, names of rows, and numbers or coordinates of entries. `None` if the
 /// path leads nowhere.
-fn insert(table: &mut Table, path: &[&str], value: Value) -> Option<()> {
-    let (first, rest) = path.split_first()?;
+fn insert(table: &mut Table, path: &str, value: &Value) -> Option<()> {
     // What a file gave is another value then.
     table.remove("source");
-    if rest.is_empty() {
-        table.insert((*first).to_owned(), value);
-        return Some(());
+    if let Some((first, rest)) = path.split_once('.') {
+        return insert_below(table.get_mut(first)?, rest, value);
     }
-    insert_below(table.get_mut(*first)?, rest, value)
+    table.insert(path.to_owned(), value.clone());
+    Some(())
 }
 
-fn insert_below(below: &mut Value, path: &[&str], value: Value) -> Option<()> {
-    match below {
-        Value::Table(table) => insert(table, path, value),
-        Value::Array(rows) => {
-            let (first, rest) = path.split_first()?;
-            if *first == "*" && !rest.is_empty() {
-                let of_all = rows.iter_mut().map(|row| insert_below(row, rest, value.clone()));
-                return of_all.collect::<Option<Vec<()>>>().filter(|all| !all.is_empty()).map(drop);
-            }
-            let has_name = |row: &Value| row.get("name").and_then(Value::as_str) == Some(first);
-            let place = rows.iter().position(has_name).or_else(|| match *first {
-                "x" => Some(0),
-                "y" => Some(1),
-                number => number.parse::<usize>().ok()?.checked_sub(1),
-            })?;
-            let row = rows.get_mut(place)?;
-            if rest.is_empty() {
-                *row = value;
-                return Some(());
-            }
-            insert_below(row, rest, value)
-        }
-        _ => None,
+fn insert_below(below: &mut Value, path: &str, value: &Value) -> Option<()> {
+    let rows = match below {
+        Value::Table(table) => return insert(table, path, value),
+        below => below.as_array_mut()?,
+    };
+    let (first, rest) = path.split_once('.').map_or((path, None), |(first, rest)| (first, Some(rest)));
+    if let ("*", Some(rest)) = (first, rest) {
+        let of_all = rows.iter_mut().map(|row| insert_below(row, rest, value));
+        return of_all.collect::<Option<Vec<()>>>().filter(|all| !all.is_empty()).map(drop);
     }
+    let has_name = |row: &Value| row.get("name").and_then(Value::as_str) == Some(first);
+    let place = rows.iter().position(has_name).or_else(|| match first {
+        "x" => Some(0),
+        "y" => Some(1),
+        number => number.parse::<usize>().ok()?.checked_sub(1),
+    })?;
+    let row = rows.get_mut(place)?;
+    if let Some(rest) = rest {
+        return insert_below(row, rest, value);
+    }
+    row.clone_from(value);
+    Some(())
 }
 
 /// Writes the changed keys of a variable into its row, without those that they exclude.
 fn change_variable(row: &mut Table, variable: &RandomVariable, set: &[(&str, Value)]) {
     let sets = |key: &str| set.iter().any(|(known, _)| *known == key);
     let word = |value: &Value| value.as_str().map(str::to_owned);
-    leave_samples(row, variable, set);
-    let before = row.get("distribution").and_then(word).unwrap_or_else(|| DEFAULT_LAW.to_owned());
-    let asked = set.iter().find(|(key, _)| *key == "distribution").and_then(|(_, value)| word(value));
-    let law = asked.unwrap_or_else(|| before.clone());
+    let asked = set.iter().find(|(key, _)| *key == "distribution").map(|(_, value)| value);
     let present = &variable.distribution;
     let moments = [("mean", present.parent_mean()), ("std", present.given_std())];
+    // Measured samples give way to the distribution that is asked for or was fitted.
+    if let Some(law) = asked.cloned().or_else(|| row.get("fit").cloned())
+        && row.remove("samples").is_some()
+    {
+        row.remove("fit");
+        row.insert("distribution".to_owned(), law);
+        write_values(row, &moments, &variable.unit);
+    }
+    let before = row.get("distribution").and_then(word).unwrap_or_else(|| DEFAULT_LAW.to_owned());
+    let law = asked.and_then(word).unwrap_or_else(|| before.clone());
     let fill = |row: &mut Table, values: &[(&str, f64)]| {
-        for (key, value) in values {
-            if !row.contains_key(*key) {
-                row.insert((*key).to_owned(), written_value(*value, &variable.unit));
-            }
-        }
+        let missing: Vec<_> = values.iter().filter(|(key, _)| !row.contains_key(*key)).copied().collect();
+        write_values(row, &missing, &variable.unit);
     };
     let remove = |row: &mut Table, keys: &[&str]| keys.iter().for_each(|key| drop(row.remove(*key)));
     // Moments in place of a fit, or of the bounds and the mode that located the variable.
@@ -250,40 +250,23 @@ fn change_variable(row: &mut Table, variable: &RandomVariable, set: &[(&str, Val
 }
 
 /// Moves the samples of a variable, or the bounds and the mode of a triangular one, to the mean and the standard deviation of `target`.
-fn move_values(
-    row: &mut Table,
-    variable: &RandomVariable,
-    samples: Option<&MeasuredVariable>,
-    target: &Distribution,
-) {
+fn move_values(row: &mut Table, variable: &RandomVariable, samples: Option<&[f64]>, target: &Distribution) {
     let law = &variable.distribution;
     let (mean, (lower, upper)) = (law.parent_mean(), law.support());
     let stretch = target.given_std() / law.given_std();
-    let moved = |x: f64| written_value(target.parent_mean() + (x - mean) * stretch, &variable.unit);
-    match samples {
-        Some(measured) => {
-            let values = measured.samples.iter().map(|x| moved(*x)).collect();
-            row.insert("samples".to_owned(), Value::Array(values));
-        }
-        None => {
-            let values = [("lower", lower), ("mode", 3.0 * mean - lower - upper), ("upper", upper)];
-            row.extend(values.map(|(key, x)| (key.to_owned(), moved(x))));
-        }
+    let moved = |x: f64| target.parent_mean() + (x - mean) * stretch;
+    if let Some(samples) = samples {
+        let values = samples.iter().map(|x| written_value(moved(*x), &variable.unit)).collect();
+        row.insert("samples".to_owned(), Value::Array(values));
+    } else {
+        let values = [("lower", lower), ("mode", 3.0 * mean - lower - upper), ("upper", upper)];
+        write_values(row, &values.map(|(key, x)| (key, moved(x))), &variable.unit);
     }
 }
 
-/// Replaces measured samples by the distribution that is asked for or was fitted, with their moments.
-fn leave_samples(row: &mut Table, variable: &RandomVariable, set: &[(&str, Value)]) {
-    let asked = set.iter().find(|(key, _)| *key == "distribution").map(|(_, value)| value.clone());
-    let Some(law) = asked.or_else(|| row.get("fit").cloned()).filter(|_| row.contains_key("samples")) else {
-        return;
-    };
-    row.retain(|key, _| key != "samples" && key != "fit");
-    row.insert("distribution".to_owned(), law);
-    let present = &variable.distribution;
-    for (key, value) in [("mean", present.parent_mean()), ("std", present.given_std())] {
-        row.insert(key.to_owned(), written_value(value, &variable.unit));
-    }
+/// Writes values in SI at keys of the row of a variable with this unit.
+pub fn write_values(row: &mut Table, values: &[(&str, f64)], unit: &str) {
+    row.extend(values.iter().map(|(key, value)| ((*key).to_owned(), written_value(*value, unit))));
 }
 
 /// A value in SI as in a scene file, in the unit of its variable.

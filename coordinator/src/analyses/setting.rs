@@ -2,11 +2,15 @@
 //! `VARIABLE.KEY=VALUE`, `LIMIT_STATE.threshold=VALUE` (or `.lower`, `.upper`), `correlation(A,B)=VALUE` or
 //! `rank_correlation(A,B)=VALUE`, with the keys and values of a scene file.
 
+use common::random::RandomVariable;
 use common::scene::{Fault, FaultKind, Faults, SceneSource};
 use toml::{Table, Value};
 
 /// Keys of a random variable that can be set.
 const VARIABLE_KEYS: [&str; 7] = ["distribution", "mean", "std", "lower", "upper", "mode", "truncation"];
+
+/// Beginnings of the keys that only quantities of a scene have.
+const SCENE_KEYS: [&str; 5] = ["parameters.", "bodies.", "joints.", "loads.", "materials."];
 
 /// What may be set.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,29 +85,30 @@ fn parse(source: &SceneSource, setting: &str, allowed: Allowed) -> Result<Settin
         };
         return correlation(source, names, of, value);
     }
-    let place = if allowed == Allowed::Everything {
-        match source.variable(key) {
-            Some(k) => Place::Variable(k, "mean"),
-            None if is_scene_quantity(source, key) || is_within_scene(key) => {
-                return Ok(Setting { place: quantity(source, setting, key)?, value });
-            }
-            None => distribution(source, key)?,
+    let everything = allowed == Allowed::Everything;
+    let place = match source.variable(key) {
+        Some(k) if everything => Place::Variable(k, "mean"),
+        // A key that can only be that of a quantity of the scene: an unknown one is answered with the nearest quantity.
+        _ if everything && SCENE_KEYS.iter().any(|start| key.starts_with(start)) => {
+            quantity(source, setting, key)?
         }
-    } else if is_scene_quantity(source, key) {
-        return refuse(
-            "this key changes what is simulated, so the results of the study say nothing of it; start a study of the changed \
-             scene with `coordinator run --set`",
-        );
-    } else {
-        distribution(source, key)?
+        _ if !is_scene_quantity(source, key) => distribution(source, key)?,
+        _ if everything => quantity(source, setting, key)?,
+        _ => {
+            return refuse(
+                "this key changes what is simulated, so the results of the study say nothing of it; start a study of the changed \
+                 scene with `coordinator run --set`",
+            );
+        }
     };
     if let (Place::Variable(k, _), Allowed::Studied) = (&place, allowed)
-        && source.variables()[*k].distribution.is_constant()
+        && let variable = &source.variables()[*k]
+        && variable.distribution.is_constant()
     {
         return refuse(&format!(
             "\"{}\" was constant in all simulations of the study, which therefore do not show its influence; start a study in \
              which it varies with `coordinator run`",
-            source.variables()[*k].name
+            variable.name
         ));
     }
     Ok(Setting { place, value })
@@ -121,11 +126,6 @@ fn usage() -> String {
     )
 }
 
-/// Whether a key can only be that of a quantity of the scene, so that an unknown one is answered with the nearest quantity.
-fn is_within_scene(key: &str) -> bool {
-    ["parameters.", "bodies.", "joints.", "loads.", "materials."].iter().any(|start| key.starts_with(start))
-}
-
 /// A number, or the text without its quotes.
 fn read_value(text: &str) -> Value {
     let bare = text.strip_prefix('"').and_then(|text| text.strip_suffix('"')).unwrap_or(text);
@@ -136,13 +136,9 @@ fn read_value(text: &str) -> Value {
 fn quantity(source: &SceneSource, setting: &str, key: &str) -> Result<Place, FaultKind> {
     source.parse_setting(setting).map_err(|Faults(mut faults)| faults.remove(0).kind)?;
     let owner = source.variables().iter().find(|variable| variable.changes.iter().any(|own| own == key));
-    match owner {
-        None => Ok(Place::Quantity(key.to_owned())),
-        Some(owner) => refuse(&format!(
-            "the random variable \"{name}\" changes this key in every simulation; set {name} or {name}.mean instead",
-            name = owner.name
-        )),
-    }
+    let Some(RandomVariable { name, .. }) = owner else { return Ok(Place::Quantity(key.to_owned())) };
+    let what = format!("the random variable \"{name}\" changes this key in every simulation");
+    refuse(&format!("{what}; set {name} or {name}.mean instead"))
 }
 
 /// A key of a random variable or a threshold.
@@ -159,35 +155,26 @@ fn distribution(source: &SceneSource, key: &str) -> Result<Place, FaultKind> {
     let state = states.iter().find(|state| state.name == name);
     let is_bound = ["lower", "upper"].contains(&last);
     if let Some(state) = state.filter(|_| last == "threshold" || (is_bound && variable.is_none())) {
-        return match state.middle().is_some() {
-            true if !is_bound => {
-                refuse(&format!("limit state \"{name}\" has lower and upper, no \"{last}\""))
-            }
-            false if is_bound => refuse(&format!("limit state \"{name}\" has a threshold, no \"{last}\"")),
-            _ => Ok(Place::Threshold(format!("limit_states.{name}.{last}"))),
-        };
+        if state.middle().is_some() == is_bound {
+            return Ok(Place::Threshold(format!("limit_states.{name}.{last}")));
+        }
+        let keys = if is_bound { "a threshold" } else { "lower and upper" };
+        return refuse(&format!("limit state \"{name}\" has {keys}, no \"{last}\""));
     }
     if last == "threshold" {
         let known = states.iter().map(|state| state.name.as_str());
         return Err(FaultKind::unknown_reference("limit state", name, known));
     }
+    let allowed = VARIABLE_KEYS.join(", ");
     match (variable, VARIABLE_KEYS.into_iter().find(|known| *known == last)) {
         (Some(k), Some(key)) => Ok(Place::Variable(k, key)),
-        (Some(_), None) => refuse(&format!(
-            "\"{last}\" is no key of a random variable; allowed: {}",
-            VARIABLE_KEYS.join(", ")
-        )),
+        (Some(_), None) => refuse(&format!("\"{last}\" is no key of a random variable; allowed: {allowed}")),
         (None, Some(_)) => Err(source.unknown_setting(name)),
         (None, None) => refuse(&usage()),
     }
 }
 
-fn correlation(
-    source: &SceneSource,
-    names: &str,
-    key: &'static str,
-    value: Value,
-) -> Result<Setting, FaultKind> {
+fn correlation(source: &SceneSource, names: &str, key: &str, value: Value) -> Result<Setting, FaultKind> {
     let names: Vec<&str> = names.split(',').map(str::trim).collect();
     let [first, second] = names[..] else {
         return refuse("expected two random variables, e.g. correlation(rod_length,friction)=0.5");
@@ -196,9 +183,13 @@ fn correlation(
         return refuse("expected two different random variables");
     }
     let index = |name: &str| source.variable(name).ok_or_else(|| source.unknown_setting(name));
-    let (first, second) = (index(first)?, index(second)?);
-    let row = [("variables", Value::from(names)), (key, value)];
-    let row: Table = row.into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
-    let place = Place::Correlation([first.min(second), first.max(second)]);
-    Ok(Setting { place, value: row.into() })
+    let (i, k) = (index(first)?, index(second)?);
+    let place = Place::Correlation([i.min(k), i.max(k)]);
+    Ok(Setting { place, value: correlation_row([first, second], key, value) })
+}
+
+/// A row of the list of correlations, with its value at the key `coefficient` or `rank`.
+pub fn correlation_row(names: [&str; 2], key: &str, value: Value) -> Value {
+    let row = [("variables", Value::from(names.to_vec())), (key, value)];
+    Table::from_iter(row.map(|(key, value)| (key.to_owned(), value))).into()
 }

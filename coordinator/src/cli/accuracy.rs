@@ -1,9 +1,10 @@
 //! Accuracy of a command's evaluations: by name, or the cheapest within an error budget.
 
-use super::{CommandError, share};
+use super::{Done, share};
 use clap::Args;
 use common::accuracy::NamedAccuracy;
 use common::failure::SimulationFailure;
+use common::outputs::Evaluation;
 use common::scene::{Faults, Scene, SceneSource};
 use coordinator::analyses::budget::{LADDER, RANDOM_POINTS, TriedSetting, choose_setting};
 use coordinator::farm::evaluate::local::LocalEvaluator;
@@ -35,7 +36,7 @@ impl AccuracyArguments {
     /// depend on the seed alone.
     ///
     /// # Errors
-    /// [`CommandError::Budget`] if no setting keeps the error budget.
+    /// [`super::CommandError::Budget`] if no setting keeps the error budget.
     pub fn for_study(
         &self,
         source: &SceneSource,
@@ -43,12 +44,10 @@ impl AccuracyArguments {
         threads: usize,
         quiet: bool,
         interrupted: Arc<AtomicBool>,
-    ) -> Result<StudyAccuracy, CommandError> {
+    ) -> Done<StudyAccuracy> {
         let evaluate = |request: &Request| {
             let invalid = |faults: Faults| SimulationFailure::InvalidSample { faults: faults.to_string() };
-            let scene = source.resolve_sample(&request.sample).map_err(invalid)?;
-            let accuracy = request.accuracy.unwrap_or_default();
-            simulate(&scene, &accuracy, SimulateOptions { first_cycle: request.with_first_cycle })
+            evaluated(&source.resolve_sample(&request.sample).map_err(invalid)?, request)
         };
         let evaluator = LocalEvaluator::new(threads, evaluate).interrupted_by(interrupted);
         let scene = source.nominal();
@@ -58,13 +57,10 @@ impl AccuracyArguments {
     /// Accuracy of one evaluation of a scene: the named one, or one chosen for it.
     ///
     /// # Errors
-    /// [`CommandError::Budget`] if no setting keeps the error budget.
-    pub fn for_one(&self, scene: &Scene, quiet: bool) -> Result<StudyAccuracy, CommandError> {
-        let evaluate = |request: &Request| {
-            let options = SimulateOptions { first_cycle: request.with_first_cycle };
-            simulate(scene, &request.accuracy.unwrap_or_default(), options)
-        };
-        self.choose(scene, &[vec![]], quiet, LocalEvaluator::new(1, evaluate))
+    /// [`super::CommandError::Budget`] if no setting keeps the error budget.
+    pub fn for_one(&self, scene: &Scene, quiet: bool) -> Done<StudyAccuracy> {
+        let evaluator = LocalEvaluator::new(1, |request: &Request| evaluated(scene, request));
+        self.choose(scene, &[vec![]], quiet, evaluator)
     }
 
     fn choose(
@@ -73,7 +69,7 @@ impl AccuracyArguments {
         points: &[Vec<f64>],
         quiet: bool,
         mut evaluator: impl Evaluator,
-    ) -> Result<StudyAccuracy, CommandError> {
+    ) -> Done<StudyAccuracy> {
         let Some(budget) = self.max_error else {
             let setting = self.accuracy.clone().unwrap_or_else(|| scene.accuracy.clone());
             return Ok(StudyAccuracy { setting, max_error: None });
@@ -84,15 +80,20 @@ impl AccuracyArguments {
             }
         })?;
         if !quiet {
+            let (name, below, points) = (&setting.name, short_percent(budget), points.len());
+            let at = if points == 1 { "this point".to_owned() } else { format!("{points} points") };
             print_message(format_args!(
-                "accuracy {}: the cheapest tried that states errors below {} at {}",
-                setting.name,
-                short_percent(budget),
-                if points.len() == 1 { "this point".to_owned() } else { format!("{} points", points.len()) }
+                "accuracy {name}: the cheapest tried that states errors below {below} at {at}"
             ));
         }
         Ok(StudyAccuracy { setting, max_error: Some(budget) })
     }
+}
+
+/// Simulates a scene as requested.
+fn evaluated(scene: &Scene, request: &Request) -> Result<Evaluation, SimulationFailure> {
+    let options = SimulateOptions { first_cycle: request.with_first_cycle };
+    simulate(scene, &request.accuracy.unwrap_or_default(), options)
 }
 
 fn attempt_text(attempt: &TriedSetting, budget: f64) -> String {
@@ -100,12 +101,8 @@ fn attempt_text(attempt: &TriedSetting, budget: f64) -> String {
     match &attempt.worst {
         Ok(worst) => {
             let verdict = if worst.error <= budget { "within" } else { "over" };
-            format!(
-                "tried {name}: {} of {}, {verdict} {}",
-                short_percent(worst.error),
-                worst.output,
-                short_percent(budget)
-            )
+            let [error, budget] = [worst.error, budget].map(short_percent);
+            format!("tried {name}: {error} of {}, {verdict} {budget}", worst.output)
         }
         Err(failure) => format!("tried {name}: {failure}"),
     }

@@ -1,8 +1,8 @@
 //! `coordinator calibrate`: fits free parameters of a scene to measured or published targets, with the workers of a study.
 
 use super::{
-    AccuracyArguments, CommandError, DEFAULT_SCENE, Destination, FarmArguments, SetArguments, Verbosity,
-    WorkerFarm, answer_with, check_linkage, load_with, of_mechanism, positive, seed, whole,
+    AccuracyArguments, DEFAULT_SCENE, Destination, Done, FarmArguments, SetArguments, Verbosity, WorkerFarm,
+    answer_with, check_linkage, load_with, of_mechanism, positive, seed, whole,
 };
 use clap::Args;
 use common::scene::InputFile;
@@ -44,8 +44,8 @@ pub struct CalibrateArguments {
 /// Runs the command.
 ///
 /// # Errors
-/// [`CommandError`].
-pub fn calibrate(arguments: &CalibrateArguments, verbosity: Verbosity) -> Result<(), CommandError> {
+/// [`super::CommandError`].
+pub fn calibrate(arguments: &CalibrateArguments, verbosity: Verbosity) -> Done {
     let source = load_with(&arguments.scene, &arguments.set.set)?;
     let scene = source.nominal();
     check_linkage(source.origin(), &source, scene)?;

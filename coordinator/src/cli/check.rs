@@ -5,7 +5,7 @@ use super::external;
 use super::measured::MeasuredFinding;
 use super::model::Model;
 use super::nominal::{findings, nominal_evaluation};
-use super::{CommandError, SetArguments, Verbosity, check_linkage, count, load_with, print, to_json};
+use super::{CommandError, Done, SetArguments, Verbosity, check_linkage, count, load_with, print, to_json};
 use clap::Args;
 use common::accuracy::NamedAccuracy;
 use common::external::SimulatorId;
@@ -70,7 +70,7 @@ pub struct CheckArguments {
 /// # Errors
 /// [`CommandError::Scene`] with all faults, the errors of [`check_linkage`], [`CommandError::BadInput`], or
 /// [`CommandError::Failed`] if the nominal mechanism cannot be simulated.
-pub fn check(arguments: &CheckArguments, verbosity: Verbosity) -> Result<(), CommandError> {
+pub fn check(arguments: &CheckArguments, verbosity: Verbosity) -> Done {
     let file = &arguments.file;
     check_picture(arguments.draw.as_deref())?;
     let checked = run(arguments, verbosity);
@@ -84,7 +84,7 @@ pub fn check(arguments: &CheckArguments, verbosity: Verbosity) -> Result<(), Com
     checked
 }
 
-fn run(arguments: &CheckArguments, verbosity: Verbosity) -> Result<(), CommandError> {
+fn run(arguments: &CheckArguments, verbosity: Verbosity) -> Done {
     let CheckArguments { file, set, draw, quick, accuracy } = arguments;
     let at_once = |text: &str| if verbosity.json { Ok(()) } else { print(text) };
     let source = valid_scene(file, set)?;
@@ -95,8 +95,7 @@ fn run(arguments: &CheckArguments, verbosity: Verbosity) -> Result<(), CommandEr
     at_once(&loads.iter().map(|line| format!("{line}\n")).collect::<String>())?;
     let mut cost = None;
     if is_mechanism && !quick {
-        let of_study = accuracy.as_ref().unwrap_or(&scene.accuracy);
-        cost = Model::new(scene, of_study).expected();
+        cost = Model::new(scene, accuracy.as_ref().unwrap_or(&scene.accuracy)).expected();
         at_once(&cost.iter().map(|cost| format!("cost: {cost}\n")).collect::<String>())?;
     }
     let evaluation = if *quick {
@@ -148,7 +147,7 @@ fn run(arguments: &CheckArguments, verbosity: Verbosity) -> Result<(), CommandEr
 }
 
 /// The scene, if its text is valid and what it describes can be simulated.
-fn valid_scene(file: &str, set: &SetArguments) -> Result<SceneSource, CommandError> {
+fn valid_scene(file: &str, set: &SetArguments) -> Done<SceneSource> {
     let source = load_with(file, &set.set)?;
     match &source.nominal().simulator {
         None => check_linkage(source.origin(), &source, source.nominal())?,

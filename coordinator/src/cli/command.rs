@@ -3,26 +3,12 @@
 #[cfg(test)]
 mod tests;
 
-use super::calibrate::CalibrateArguments;
-use super::check::{self, CheckArguments};
-use super::compare::CompareArguments;
-use super::designs::DesignsArguments;
-use super::doctor::DoctorArguments;
-use super::draw::DrawArguments;
-use super::init::InitArguments;
-use super::learn::LearnArguments;
-use super::optimise::OptimiseArguments;
-use super::replace::ReplaceArguments;
-use super::results::ReportArguments;
-use super::simulate::SimulateArguments;
-use super::status::StatusArguments;
 use super::study_options::{ResumeArguments, RunArguments};
-use super::test_plan::TestPlanArguments;
-use super::tradeoff::TradeoffArguments;
-use super::update::UpdateArguments;
-use super::weibull::WeibullArguments;
-use super::what_if::WhatIfArguments;
 use super::{AccuracyArguments, DEFAULT_SCENE, SetArguments, Verbosity};
+use super::{
+    calibrate, check, compare, designs, doctor, draw, init, learn, optimise, replace, results, simulate,
+    status, test_plan, tradeoff, update, weibull, what_if,
+};
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::ffi::OsString;
 use std::fmt::Write;
@@ -155,7 +141,7 @@ Examples:
   coordinator simulate --scene flapping-wing --out nominal.json
   coordinator simulate --scene flapping-wing --set rod_length=40.05mm --set friction=0.03
   coordinator simulate --scene my.toml --set parameters.crank_speed='500 r/min' --accuracy draft")]
-    Simulate(SimulateArguments),
+    Simulate(simulate::SimulateArguments),
     /// Measure time against error for the accuracy settings of a scene
     #[command(after_help = "\
 Runs the presets and settings near them at the nominal point and at random points of the variables, and compares them \
@@ -168,7 +154,7 @@ Examples:
   coordinator tradeoff --scene my.toml --settings quick --points 10 --out my-tradeoff
   coordinator tradeoff --setting balanced --setting draft --points 201 --out stated-errors
   coordinator tradeoff --workers 0 --listen tcp/127.0.0.1:7447 --out tradeoff")]
-    Tradeoff(TradeoffArguments),
+    Tradeoff(tradeoff::TradeoffArguments),
     /// Fit free parameters of a scene to measured or published targets
     #[command(after_help = "\
 The file names the free parameters with their bounds (keys of the scene, factors on means or standard deviations of random \
@@ -178,7 +164,7 @@ parameter, the correlations, and targets that contradict each other.
 Examples:
   coordinator calibrate --scene my.toml --targets measured.toml
   coordinator calibrate --scene four-bar --targets measured.toml --accuracy draft --rounds 1 --json")]
-    Calibrate(Box<CalibrateArguments>),
+    Calibrate(Box<calibrate::CalibrateArguments>),
     /// A command that is an example of the sources now
     #[command(name = "extremes", aliases = ["replay", "verify"], hide = true, disable_help_flag = true)]
     Moved {
@@ -198,7 +184,7 @@ Examples:
   coordinator report hingewise-flapping-wing
   coordinator report archive/study --out study-report
   coordinator report study --pdf")]
-    Report(ReportArguments),
+    Report(results::ReportArguments),
     /// Compare the reliability curves of several finished studies on one page
     #[command(after_help = "\
 With --out it writes a page with curves and bands per limit state and in total, the lives at R = 0.99, 0.9 and 0.5, and the cost of each \
@@ -208,44 +194,44 @@ checkpoints.
 Examples:
   coordinator compare hingewise-four-bar hingewise-four-bar-2 --out compare.html
   coordinator compare steel bronze polymer --out bushings.html")]
-    Compare(CompareArguments),
+    Compare(compare::CompareArguments),
     /// Reliability of a finished study for changed tolerances, distributions and thresholds, without new simulations
-    #[command(after_help = super::what_if::EXAMPLES)]
-    WhatIf(Box<WhatIfArguments>),
+    #[command(after_help = what_if::EXAMPLES)]
+    WhatIf(Box<what_if::WhatIfArguments>),
     /// Update reliability and remaining life of single units by what was measured of them
-    #[command(after_help = super::update::EXAMPLES)]
-    Update(UpdateArguments),
+    #[command(after_help = update::EXAMPLES)]
+    Update(update::UpdateArguments),
     /// Learn a population's parameters from its units: reliability with a confidence
-    #[command(after_help = super::learn::EXAMPLES)]
-    Learn(LearnArguments),
+    #[command(after_help = learn::EXAMPLES)]
+    Learn(learn::LearnArguments),
     /// Find the age, or the measured level, of replacement with the least cost
-    #[command(after_help = super::replace::EXAMPLES)]
-    Replace(ReplaceArguments),
+    #[command(after_help = replace::EXAMPLES)]
+    Replace(replace::ReplaceArguments),
     /// Units and cycles of a test that demonstrates a reliability, with a study as prior knowledge
-    #[command(after_help = super::test_plan::EXAMPLES)]
-    TestPlan(TestPlanArguments),
+    #[command(after_help = test_plan::EXAMPLES)]
+    TestPlan(test_plan::TestPlanArguments),
     /// Weibull distribution of lives with suspensions and intervals, beside the reliability of a study
-    #[command(after_help = super::weibull::EXAMPLES)]
-    Weibull(WeibullArguments),
+    #[command(after_help = weibull::EXAMPLES)]
+    Weibull(weibull::WeibullArguments),
     /// Reliability and lives of every design, from a study with design variables
-    #[command(after_help = super::designs::EXAMPLES)]
-    Designs(Box<DesignsArguments>),
+    #[command(after_help = designs::EXAMPLES)]
+    Designs(Box<designs::DesignsArguments>),
     /// Cheapest means and tolerances that reach a reliability, from a finished study
-    #[command(after_help = super::optimise::EXAMPLES)]
-    Optimise(Box<OptimiseArguments>),
+    #[command(after_help = optimise::EXAMPLES)]
+    Optimise(Box<optimise::OptimiseArguments>),
     /// Write a commented scene to start from
     #[command(after_help = "\
 Examples:
   coordinator init press
   coordinator init press --out scenes/press.toml
   coordinator init walker --from klann.linkage2")]
-    Init(InitArguments),
+    Init(init::InitArguments),
     /// Show the progress of a running study: workers, queue, rates, R so far
-    #[command(after_help = super::status::EXAMPLES)]
-    Status(StatusArguments),
+    #[command(after_help = status::EXAMPLES)]
+    Status(status::StatusArguments),
     /// Test from this machine what a worker needs to reach a coordinator
-    #[command(after_help = super::doctor::EXAMPLES)]
-    Doctor(DoctorArguments),
+    #[command(after_help = doctor::EXAMPLES)]
+    Doctor(doctor::DoctorArguments),
     /// List the built-in scenes
     #[command(after_help = "Examples:\n  coordinator scenes\n  coordinator scenes --json")]
     Scenes {
@@ -254,8 +240,8 @@ Examples:
         show: Option<String>,
     },
     /// Draw the mechanism of a scene: SVG, or a sketch in the terminal
-    #[command(after_help = super::draw::EXAMPLES)]
-    Draw(DrawArguments),
+    #[command(after_help = draw::EXAMPLES)]
+    Draw(draw::DrawArguments),
     /// Print the JSON Schema of scenes, for completion in editors, or of summary.json
     #[command(after_help = "\
 An editor with a TOML language server (taplo, Even Better TOML) completes and checks a scene that begins with the line
@@ -291,7 +277,7 @@ Examples:
     },
     /// Validate a scene: all faults with their lines, the linkage through its cycle, the nominal mechanism against its limits
     #[command(after_help = check::EXAMPLES)]
-    Check(CheckArguments),
+    Check(check::CheckArguments),
     /// Describe the model of a scene, the reasons for it, and its expected cost
     #[command(after_help = "\
 Examples:

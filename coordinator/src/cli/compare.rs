@@ -2,7 +2,7 @@
 
 use super::output::{file_of, or_here, unusable};
 use super::stored_study::scene_of;
-use super::{CommandError, Destination, answer_with, summary_of};
+use super::{CommandError, Destination, Done, answer_with, summary_of};
 use clap::Args;
 use common::scene::SceneSource;
 use coordinator::analyses::scene_difference::{DifferingKey, differing_keys};
@@ -28,12 +28,12 @@ pub struct CompareArguments {
 ///
 /// # Errors
 /// [`CommandError`] if a study is not finished, or the studies cannot be compared.
-pub fn compare(arguments: &CompareArguments, as_json: bool) -> Result<(), CommandError> {
+pub fn compare(arguments: &CompareArguments, as_json: bool) -> Done {
     let out = arguments.out.as_deref().map(destination).transpose()?;
     let name = out.as_ref().map_or("compare", |(_, name)| name).to_owned();
     let names = names(&arguments.dirs);
     let studies: Vec<ComparedStudy> =
-        arguments.dirs.iter().zip(names).map(|(dir, name)| study(dir, name)).collect::<Result<_, _>>()?;
+        arguments.dirs.iter().zip(names).map(study).collect::<Result<_, _>>()?;
     check(&studies).map_err(CommandError::bad_input)?;
     let scenes: Vec<SceneSource> =
         arguments.dirs.iter().map(|dir| scene_of(&CampaignFile::look(dir)?)).collect::<Result<_, _>>()?;
@@ -50,12 +50,11 @@ pub fn compare(arguments: &CompareArguments, as_json: bool) -> Result<(), Comman
     let [page, numbers] = ["html", "csv"].map(|end| Some(folder.as_ref()?.join(format!("{name}.{end}"))));
     let gains = gains(&studies);
     let document = json!({ "page": page, "csv": numbers, "differences": differing, "gains": gains });
-    let out = folder.map(Destination::Folder);
-    answer_with(&answer(name, studies, &table), &document, out.as_ref(), as_json)
+    answer_with(&answer(name, studies, &table), &document, folder.map(Destination::Folder).as_ref(), as_json)
 }
 
 /// Folder of the files, and their name without its ending.
-fn destination(out: &Path) -> Result<(PathBuf, String), CommandError> {
+fn destination(out: &Path) -> Done<(PathBuf, String)> {
     let page = file_of(out, "compare.html")?;
     if page.extension().is_none_or(|end| end != "html") {
         return Err(unusable(out, "expected a folder, or a name that ends in .html".to_owned()));
@@ -64,7 +63,7 @@ fn destination(out: &Path) -> Result<(PathBuf, String), CommandError> {
     Ok((page.parent().map(or_here).unwrap_or(&page).to_owned(), name))
 }
 
-fn study(dir: &Path, name: String) -> Result<ComparedStudy, CommandError> {
+fn study((dir, name): (&PathBuf, String)) -> Done<ComparedStudy> {
     Ok(ComparedStudy { name, summary: summary_of(&CampaignFile::look(dir)?)? })
 }
 
@@ -77,8 +76,7 @@ fn gains(studies: &[ComparedStudy]) -> Vec<Value> {
     let curves = first.summary.limit_states.iter().map(String::as_str).chain(["total"]);
     let of_curve = |name: &str| {
         let of_study = |k: usize, level: f64| {
-            let both = [&first.summary, &studies[k].summary];
-            let (change, _) = change_between(both, (name, level));
+            let (change, _) = change_between([&first.summary, &studies[k].summary], (name, level));
             json!({ "study": studies[k].name, "limit_state": name, "reliability": level,
     "cycles": change.map(|change| change.value), "lower": change.and_then(|change| change.lower),
     "upper": change.and_then(|change| change.upper) })

@@ -1,8 +1,9 @@
 //! `coordinator designs`, and the end of a study with design variables: reliability and lives of every design, with
 //! simulations where single designs are still uncertain.
 
+use super::shared::within;
 use super::{
-    CommandError, CommandEvaluator, Destination, FarmArguments, OpenedStudy, StoredStudy, Verbosity,
+    CommandError, CommandEvaluator, Destination, Done, FarmArguments, OpenedStudy, StoredStudy, Verbosity,
     answer_with, failed, known_outcomes, positive, stored_correction, value,
 };
 use clap::Args;
@@ -39,7 +40,7 @@ pub struct DesignsArguments {
     /// Folder of the finished study
     pub dir: PathBuf,
     /// Values per design variable [default: 9, 5 or 3 with one, two or three variables]
-    #[arg(long, value_name = "N", value_parser = points)]
+    #[arg(long, value_name = "N", value_parser = within(2, 101))]
     pub points: Option<usize>,
     /// Answer for the design with this value alone, one for each design variable
     #[arg(long, value_name = "KEY=VALUE", conflicts_with = "points")]
@@ -60,10 +61,6 @@ pub struct DesignsArguments {
     pub farm: FarmArguments,
 }
 
-fn points(text: &str) -> Result<usize, String> {
-    value(text, "a whole number from 2 to 101", |n| (2..=101).contains(n))
-}
-
 fn level(text: &str) -> Result<f64, String> {
     value(text, "0.99, 0.9 or 0.5", |level| LEVELS.contains(level))
 }
@@ -72,7 +69,7 @@ fn level(text: &str) -> Result<f64, String> {
 ///
 /// # Errors
 /// [`CommandError`].
-pub fn designs(arguments: &DesignsArguments, verbosity: Verbosity) -> Result<(), CommandError> {
+pub fn designs(arguments: &DesignsArguments, verbosity: Verbosity) -> Done {
     let dir = &arguments.dir;
     let mut opened = OpenedStudy::open(dir, arguments.refine.is_some())?;
     let space = opened.space.take().ok_or_else(|| {
@@ -100,7 +97,7 @@ pub fn after_study(
     study: StoredStudy,
     machines: Machines<'_>,
     verbosity: Verbosity,
-) -> Result<Option<StoredStudy>, CommandError> {
+) -> Done<Option<StoredStudy>> {
     let mut opened = OpenedStudy::of(study)?;
     let Some(space) = opened.space.take() else { return Ok(Some(opened.study)) };
     let asked = AskedDesigns {
@@ -132,7 +129,7 @@ fn points_of(space: &DesignSpace) -> usize {
     POINTS[(space.variables().len() - 1).min(POINTS.len() - 1)]
 }
 
-fn objective(arguments: &DesignsArguments, scene: &Scene) -> Result<Objective, CommandError> {
+fn objective(arguments: &DesignsArguments, scene: &Scene) -> Done<Objective> {
     let Some(life) = arguments.life else { return Ok(Objective::Life { level: arguments.level }) };
     let checkpoints = scene.life.checkpoints();
     let found = checkpoints.iter().find(|cycles| **cycles as usize == life);
@@ -152,7 +149,7 @@ fn answer_for(
     machines: Machines<'_>,
     out: Option<&Destination>,
     verbosity: Verbosity,
-) -> Result<(), CommandError> {
+) -> Done {
     let dir = opened.study.campaign.dir().to_path_buf();
     let mut outcomes = opened.outcomes()?;
     let source = opened.study.source.clone();
@@ -192,7 +189,7 @@ fn refine_with(
     outcomes: Vec<StoredOutcome>,
     machines: Machines<'_>,
     verbosity: Verbosity,
-) -> Result<Refined, CommandError> {
+) -> Done<Refined> {
     let mut own = None;
     let evaluator = match machines {
         Machines::Open(evaluator) => evaluator,
@@ -202,7 +199,7 @@ fn refine_with(
     let correction = stored_correction(campaign, source.nominal())?;
     let mut simulate = |learning: &FurtherLearning<'_>| -> Result<Vec<StoredOutcome>, AnalysisError> {
         let learning = FurtherLearning { correction: correction.as_ref(), ..*learning };
-        learning.learn(evaluator.evaluator(), &mut FurtherEvaluations::of(campaign), &mut Silent)?;
+        learning.learn(evaluator.evaluator(), &mut FurtherEvaluations(campaign), &mut Silent)?;
         Ok(known_outcomes(campaign, source.nominal()).map_err(EvaluateError::from)?)
     };
     let mut progress = |error: f64, added: usize| {

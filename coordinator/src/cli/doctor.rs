@@ -1,7 +1,7 @@
 //! `coordinator doctor`: checks from this machine, one after the other, of all that a worker needs.
 
 use super::status::explained;
-use super::{CommandError, print, to_json};
+use super::{CommandError, Done, print, to_json};
 use clap::Args;
 use common::wire::{Claim, Offers, Status, WireError, WorkerId};
 use coordinator::farm::dispatch::{ClientError, ClientSession, clock_ms};
@@ -45,12 +45,11 @@ struct CheckResult {
     says: String,
 }
 
+/// Value of a check that passed with what it says, or what one that failed says.
+type Check<T> = Result<(T, String), String>;
+
 /// Notes the result of a check; its value if it passed.
-fn note<T>(
-    findings: &mut Vec<CheckResult>,
-    check: &'static str,
-    found: Result<(T, String), String>,
-) -> Option<T> {
+fn note<T>(findings: &mut Vec<CheckResult>, check: &'static str, found: Check<T>) -> Option<T> {
     let (ok, says, value) = match found {
         Ok((value, says)) => (true, says, Some(value)),
         Err(says) => (false, says, None),
@@ -63,7 +62,7 @@ fn note<T>(
 ///
 /// # Errors
 /// [`CommandError::Failed`] if a check failed.
-pub fn doctor(arguments: &DoctorArguments, as_json: bool) -> Result<(), CommandError> {
+pub fn doctor(arguments: &DoctorArguments, as_json: bool) -> Done {
     let (host, port) = host_and_port(&arguments.endpoint)?;
     let mut findings = Vec::new();
     examine(&mut findings, arguments, host, port)?;
@@ -81,27 +80,21 @@ fn lines(findings: &[CheckResult]) -> String {
 }
 
 /// Host and port of `tcp/HOST:PORT` or `tls/HOST:PORT`.
-fn host_and_port(endpoint: &str) -> Result<(&str, u16), CommandError> {
+fn host_and_port(endpoint: &str) -> Done<(&str, u16)> {
     let parts = || {
         let (protocol, address) = endpoint.split_once('/')?;
         let (host, port) = address.split(['?', '#']).next()?.rsplit_once(':')?;
         let host = host.trim_start_matches('[').trim_end_matches(']');
-        let port = port.parse().ok()?;
-        (["tcp", "tls"].contains(&protocol) && !host.is_empty()).then_some((host, port))
+        (["tcp", "tls"].contains(&protocol) && !host.is_empty()).then_some((host, port.parse().ok()?))
     };
     parts().ok_or_else(|| {
         let reason = "not an endpoint of the kind PROTOCOL/HOST:PORT".to_owned();
-        ClientError::Endpoint { endpoint: endpoint.to_owned(), reason }.into()
+        ClientError::Endpoint(endpoint.to_owned(), reason).into()
     })
 }
 
 /// Makes the checks in their order, up to a failure that prevents the following ones.
-fn examine(
-    findings: &mut Vec<CheckResult>,
-    arguments: &DoctorArguments,
-    host: &str,
-    port: u16,
-) -> Result<(), CommandError> {
+fn examine(findings: &mut Vec<CheckResult>, arguments: &DoctorArguments, host: &str, port: u16) -> Done {
     let Some(addresses) = note(findings, "name", resolve(host, port)) else { return Ok(()) };
     if note(findings, "reach", reach(&addresses)).is_none() {
         return Ok(());
@@ -125,7 +118,7 @@ fn examine(
     Ok(())
 }
 
-fn resolve(host: &str, port: u16) -> Result<(Vec<SocketAddr>, String), String> {
+fn resolve(host: &str, port: u16) -> Check<Vec<SocketAddr>> {
     let addresses: Vec<SocketAddr> = (host, port)
         .to_socket_addrs()
         .map_err(|error| {
@@ -136,7 +129,7 @@ fn resolve(host: &str, port: u16) -> Result<(Vec<SocketAddr>, String), String> {
     Ok((addresses, format!("{host} is {}", list.join(", "))))
 }
 
-fn reach(addresses: &[SocketAddr]) -> Result<((), String), String> {
+fn reach(addresses: &[SocketAddr]) -> Check<()> {
     let mut last = "it has no address".to_owned();
     for address in addresses {
         let begun = Instant::now();
@@ -155,7 +148,7 @@ fn reach(addresses: &[SocketAddr]) -> Result<((), String), String> {
 }
 
 /// A claim for no task: it uses the same path as a real one without changing the study.
-fn claim(session: &ClientSession, worker: &WorkerId) -> Result<((), String), String> {
+fn claim(session: &ClientSession, worker: &WorkerId) -> Check<()> {
     let (worker, offers, holding) = (worker.clone(), Offers::Scenes(worker::BUILD), vec![]);
     let (slots, credits, finished) = (0, 0, vec![]);
     let claim = Claim { worker, sequence: 1, offers, slots, credits, holding, finished, leaving: false };
@@ -165,7 +158,7 @@ fn claim(session: &ClientSession, worker: &WorkerId) -> Result<((), String), Str
             let took = begun.elapsed().as_secs_f64() * 1e3;
             Ok(((), format!("a coordinator of the same protocol version answers within {took:.1} ms")))
         }
-        Err(ClientError::Answer { fault: WireError::OtherVersion { theirs, ours }, .. }) => Err(format!(
+        Err(ClientError::Answer(_, WireError::OtherVersion { theirs, ours })) => Err(format!(
             "the coordinator speaks protocol version {theirs}, this program version {ours}: use the same version of the \
              program on both sides"
         )),
@@ -173,7 +166,7 @@ fn claim(session: &ClientSession, worker: &WorkerId) -> Result<((), String), Str
     }
 }
 
-fn status(session: &ClientSession) -> Result<(Status, String), String> {
+fn status(session: &ClientSession) -> Check<Status> {
     let status = session.status(PATIENCE).map_err(|error| format!("{error}; workers can do without"))?;
     let (program, scene) = (&status.program, &status.study.scene);
     let says = format!("Hingewise {program}, study of {scene}, {} workers", status.farm.workers.len());
@@ -181,7 +174,7 @@ fn status(session: &ClientSession) -> Result<(Status, String), String> {
 }
 
 /// The coordinator's clock was read between two readings of this one [ms].
-fn clock(status: &Status, asked: u64, answered: u64) -> Result<((), String), String> {
+fn clock(status: &Status, asked: u64, answered: u64) -> Check<()> {
     let middle = (asked as f64 + answered as f64) / 2.0;
     let doubt = (answered as f64 - asked as f64) / 2e3;
     let ahead = (status.clock_ms as f64 - middle) / 1e3;
@@ -191,7 +184,7 @@ fn clock(status: &Status, asked: u64, answered: u64) -> Result<((), String), Str
 }
 
 /// Whether the coordinator sees that a worker lives: without that it gives it no task.
-fn liveliness(session: &ClientSession, worker: &WorkerId) -> Result<((), String), String> {
+fn liveliness(session: &ClientSession, worker: &WorkerId) -> Check<()> {
     let _life = session.declare_liveliness(worker).map_err(|error| error.to_string())?;
     let begun = Instant::now();
     while begun.elapsed() < PATIENCE {

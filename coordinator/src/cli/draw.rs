@@ -1,9 +1,9 @@
 //! `coordinator draw`: the mechanism of a scene as a drawing, before anything is simulated.
 
 use super::output::{check_destination, file_of, unusable};
-use super::{CommandError, SetArguments, check_linkage, load_with, print, to_json};
+use super::{CommandError, Done, SetArguments, check_linkage, load_with, print, to_json, value};
 use clap::Args;
-use common::scene::{Motion, Scene, SceneSource};
+use common::scene::{Body, Motion, Scene, SceneSource};
 use coordinator::presentation::report::drawing::{self, DrawnMechanism, SHARE_OF_CYCLE};
 use coordinator::presentation::report::{Figure, VaryingLoads, standalone};
 use coordinator::results::result_files::write_text;
@@ -40,8 +40,7 @@ pub struct DrawArguments {
 
 /// Reads a share from 0 to 1.
 fn share(text: &str) -> Result<f64, String> {
-    let value = text.trim().parse::<f64>().ok().filter(|x| (0.0..=1.0).contains(x));
-    value.ok_or_else(|| "allowed: a number from 0 to 1".to_owned())
+    value(text, "a number from 0 to 1", |x| (0.0..=1.0).contains(x))
 }
 
 /// Runs the command.
@@ -49,7 +48,7 @@ fn share(text: &str) -> Result<f64, String> {
 /// # Errors
 /// [`CommandError::Scene`], [`CommandError::BadInput`] for a scene without a mechanism or one without extent, the failure of a linkage that does
 /// not close, or the error of a file that cannot be written.
-pub fn draw(arguments: &DrawArguments, as_json: bool) -> Result<(), CommandError> {
+pub fn draw(arguments: &DrawArguments, as_json: bool) -> Done {
     let source = load_with(&arguments.scene, &arguments.set.set)?;
     let scene = source.nominal();
     let out = arguments.out.as_deref().map(|out| file_of(out, &format!("{}.svg", scene.name))).transpose()?;
@@ -80,7 +79,7 @@ fn write_figures(
     drawn: &DrawnMechanism,
     loads: Option<&VaryingLoads>,
     file: &Path,
-) -> Result<Vec<PathBuf>, CommandError> {
+) -> Done<Vec<PathBuf>> {
     let of_loads = loads.map_or(vec![], VaryingLoads::figures);
     let stem = file.file_stem().unwrap_or_default().to_string_lossy();
     let beside = |figure: Figure| (file.with_file_name(format!("{stem}-{}.svg", figure.name)), figure);
@@ -97,7 +96,7 @@ fn write_figures(
 ///
 /// # Errors
 /// [`CommandError::BadInput`].
-pub fn check_picture(file: Option<&Path>) -> Result<(), CommandError> {
+pub fn check_picture(file: Option<&Path>) -> Done {
     check_destination(file)?;
     let Some(file) = file else { return Ok(()) };
     match ending(file).as_str() {
@@ -115,7 +114,7 @@ fn ending(file: &Path) -> String {
 ///
 /// # Errors
 /// As those of [`draw`].
-pub fn look(source: &SceneSource, file: Option<&Path>) -> Result<(Vec<String>, Vec<PathBuf>), CommandError> {
+pub fn look(source: &SceneSource, file: Option<&Path>) -> Done<(Vec<String>, Vec<PathBuf>)> {
     let scene = source.nominal();
     let (drawn, loads) = match drawn(source.origin(), scene, SHARE_OF_CYCLE) {
         Err(_) if file.is_none() => return Ok((vec![], vec![])),
@@ -139,34 +138,27 @@ pub fn drawing_figure(origin: &str, scene: &Scene) -> Option<Figure> {
 ///
 /// # Errors
 /// [`CommandError::BadInput`] for a mechanism without extent, or the failure of a linkage that does not close.
-fn drawn(
-    origin: &str,
-    scene: &Scene,
-    share: f64,
-) -> Result<(DrawnMechanism, Option<VaryingLoads>), CommandError> {
+fn drawn(origin: &str, scene: &Scene, share: f64) -> Done<(DrawnMechanism, Option<VaryingLoads>)> {
     let ideal = worker::mechanism::ideal_cycle(scene, INSTANTS, &mut 0)
         .map_err(|failure| CommandError::of_simulation(origin, scene, failure))?;
-    let cycle: Vec<Vec<([f64; 2], f64)>> = ideal
+    let place = |time: f64, body: &Body, q: &Option<[f64; 3]>| match (&body.motion, q) {
+        (Motion::Free { centre_of_mass: [a, b], .. }, Some([x, y, angle])) => {
+            let (sin, cos) = angle.sin_cos();
+            ([x - cos * a + sin * b, y - sin * a - cos * b], *angle)
+        }
+        (Motion::Driven { position, .. }, _) => {
+            (*position, Prescribed::from_body(body).map_or(0.0, |motion| motion.angle(time)))
+        }
+        _ => ([0.0; 2], 0.0),
+    };
+    let cycle = ideal
         .iter()
-        .map(|pose| {
-            let bodies = scene.bodies.iter().zip(&pose.q);
-            let of = |(body, q): (&common::scene::Body, &Option<[f64; 3]>)| match (&body.motion, q) {
-                (Motion::Free { centre_of_mass: [a, b], .. }, Some([x, y, angle])) => {
-                    let (sin, cos) = angle.sin_cos();
-                    ([x - cos * a + sin * b, y - sin * a - cos * b], *angle)
-                }
-                (Motion::Driven { position, .. }, _) => {
-                    (*position, Prescribed::from_body(body).map_or(0.0, |motion| motion.angle(pose.time)))
-                }
-                _ => ([0.0; 2], 0.0),
-            };
-            bodies.map(of).collect()
-        })
-        .collect();
-    let shown = drawing::instant(cycle.len(), share);
-    let drawn = DrawnMechanism::new(scene, &cycle, shown).ok_or_else(|| {
-        CommandError::refused(origin, "not modelled yet: a mechanism whose points all coincide")
-    })?;
+        .map(|pose| scene.bodies.iter().zip(&pose.q).map(|(body, q)| place(pose.time, body, q)).collect());
+    let cycle: Vec<Vec<([f64; 2], f64)>> = cycle.collect();
+    let drawn =
+        DrawnMechanism::new(scene, &cycle, drawing::instant(cycle.len(), share)).ok_or_else(|| {
+            CommandError::refused(origin, "not modelled yet: a mechanism whose points all coincide")
+        })?;
     let times: Vec<f64> = ideal.iter().map(|pose| pose.time).collect();
     Ok((drawn, VaryingLoads::new(scene, &cycle, &times)))
 }

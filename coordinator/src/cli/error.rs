@@ -1,7 +1,7 @@
 //! Errors of commands: one message and an exit code each.
 
 use common::failure::SimulationFailure;
-use common::scene::{FaultKind, Faults, Motion, Scene};
+use common::scene::{Body, FaultKind, Faults, Motion, Scene};
 use coordinator::analyses::budget::BudgetError;
 use coordinator::analyses::error::AnalysisError;
 use coordinator::farm::dispatch::{ClientError, DispatchError};
@@ -86,6 +86,9 @@ pub enum CommandError {
     Output(#[source] std::io::Error),
 }
 
+/// Result of a command, or of a part of one.
+pub type Done<T = ()> = Result<T, CommandError>;
+
 impl From<AnalysisError> for CommandError {
     fn from(error: AnalysisError) -> Self {
         match error {
@@ -154,9 +157,7 @@ impl CommandError {
     /// The error of a report into the study's own folder `dir`, where writing may not be allowed.
     pub fn of_report_in(self, dir: &Path) -> Self {
         match self {
-            Self::Report(ReportError::File(ResultFileError::Write { source: error, .. }))
-                if is_unusable_path(&error) =>
-            {
+            Self::Report(ReportError::File(ResultFileError::Write(_, error))) if is_unusable_path(&error) => {
                 let fault = format!("no file can be written here ({error}); name another folder with --out");
                 Self::refused(dir.display(), fault)
             }
@@ -167,7 +168,7 @@ impl CommandError {
     /// The failure of a simulation; a linkage that cannot work is a fault of its joint.
     pub fn of_simulation(origin: &str, scene: &Scene, failure: SimulationFailure) -> Self {
         let fault =
-            |key: &str, message| Self::Scene(Faults::one(origin, key, FaultKind::Inconsistent { message }));
+            |key: &str, message| Self::Scene(Faults::one(origin, key, FaultKind::Inconsistent(message)));
         let at = |joint: &str, message| fault(&format!("joints.{joint}"), message);
         let message = failure.to_string();
         let origin = origin.to_owned();
@@ -216,14 +217,11 @@ fn option_of(key: &str) -> String {
 
 /// Angles of the driven bodies at a time [s], e.g. `crank angle 123.4 deg`.
 fn drive_at(scene: &Scene, time: f64) -> String {
-    let angles: Vec<String> = scene
-        .bodies
-        .iter()
-        .filter_map(|body| {
-            let motion = Prescribed::from_body(body).filter(|_| body.motion != Motion::Fixed)?;
-            let turned = motion.angle(time).to_degrees().rem_euclid(360.0);
-            Some(format!("{} angle {turned:.1} deg", body.name))
-        })
-        .collect();
+    let angle = |body: &Body| {
+        let motion = Prescribed::from_body(body).filter(|_| body.motion != Motion::Fixed)?;
+        let turned = motion.angle(time).to_degrees().rem_euclid(360.0);
+        Some(format!("{} angle {turned:.1} deg", body.name))
+    };
+    let angles: Vec<String> = scene.bodies.iter().filter_map(angle).collect();
     if angles.is_empty() { format!("t = {time} s") } else { angles.join(", ") }
 }

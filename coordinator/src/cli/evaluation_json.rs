@@ -98,8 +98,8 @@ fn diagnostics(scene: &Scene, diagnostics: &Diagnostics) -> Value {
         "energy": diagnostics.energy.map(energy),
         "worn_energy": diagnostics.worn_energy.map(energy),
     });
-    for ((key, _), count) in COUNTERS.into_iter().zip(diagnostics.counts()) {
-        about[key] = count.into();
+    for (key, _, count) in COUNTERS {
+        about[key] = count(diagnostics).into();
     }
     if let Some(UnsettledMotion { output, change, further_cycles, turning }) = &diagnostics.unsettled {
         let (body, angle) = turning.as_ref().map(|(body, angle)| (body, angle.to_degrees())).unzip();

@@ -1,11 +1,13 @@
 //! `coordinator explain`: the model of a scene, the reasons for it, and its expected cost.
 
 use super::external::{self, failed};
-use super::farm::cores;
 use super::measured::MeasuredFinding;
 use super::model::Model;
 use super::nominal::{findings, nominal_evaluation};
-use super::{AccuracyArguments, CommandError, SetArguments, Verbosity, count, load_with, print, to_json};
+use super::shared::cores;
+use super::{
+    AccuracyArguments, CommandError, Done, SetArguments, Verbosity, count, load_with, print, to_json,
+};
 use common::random::Correlation;
 use common::scene::*;
 use coordinator::presentation::report::format::{seven_digits, unit_scale};
@@ -18,20 +20,14 @@ use std::sync::Arc;
 ///
 /// # Errors
 /// [`CommandError`].
-pub fn explain(
-    name: &str,
-    set: &SetArguments,
-    accuracy: &AccuracyArguments,
-    verbosity: Verbosity,
-) -> Result<(), CommandError> {
+pub fn explain(name: &str, set: &SetArguments, accuracy: &AccuracyArguments, verbosity: Verbosity) -> Done {
     let source = load_with(name, &set.set)?;
     let scene = source.nominal();
     if let Some(simulator) = &scene.simulator {
         external::check_accuracy(source.origin(), accuracy)?;
         let json = verbosity.json.then(|| serde_json::to_value(scene)).transpose()?;
-        return print(
-            &json.map_or_else(|| Ok(without_mechanism(&source, simulator)), |value| to_json(&value))?,
-        );
+        let text = json.map(|value| to_json(&value)).transpose()?;
+        return print(&text.unwrap_or_else(|| without_mechanism(&source, simulator)));
     }
     worker::mechanism::islands(scene)
         .map_err(|failure| CommandError::of_simulation(source.origin(), scene, failure))?;
@@ -174,8 +170,8 @@ fn joints(out: &mut String, scene: &Scene) -> std::fmt::Result {
             }
             JointKind::Fixed { .. } => format!("{journal} is fixed to {bushing}, no wear"),
             JointKind::Clearance(clearance) => {
-                let (wide, wear) = (scene.units.text(clearance.radial_clearance(), "um", 2), wear(clearance));
-                let contact = contact(clearance);
+                let wide = scene.units.text(clearance.radial_clearance(), "um", 2);
+                let (wear, contact) = (wear(clearance), contact(clearance));
                 format!(
                     "journal of {journal} in bushing of {bushing}, clearance {wide}, {wear}\n     {contact}"
                 )
@@ -250,7 +246,7 @@ fn damping(damping: &ContactDamping) -> String {
 fn contact(clearance: &Clearance) -> String {
     let damping = damping(&clearance.contact_damping);
     let Clearance { contact_law: law, film_damping, friction, .. } = clearance;
-    let (name, meaning) = (law.name(), law.explanation());
+    let (name, meaning) = (law.word(), law.explanation());
     format!("{name}: {meaning}; {damping}; film {film_damping} N s/m; friction {friction}")
 }
 

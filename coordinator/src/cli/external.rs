@@ -1,13 +1,12 @@
 //! Scenes that name their own simulator: the options that they allow, one evaluation, and their description.
 
 use super::evaluation_json::of_outputs;
-use super::shared::Slots;
 use super::signals::interruption;
-use super::{AccuracyArguments, CommandError, FarmArguments, count, to_json};
+use super::{AccuracyArguments, CommandError, Done, FarmArguments, count, to_json};
 use common::external::SimulatorId;
 use common::scene::{
     CycleTier, Exchange, ExternalSimulator, Fails, FileExchange, Gives, LimitState, OutputKind, Program,
-    Scene, SceneSource, SimulatorKind,
+    Scene, SceneSource, SimulatorKind, UmBridgeModel,
 };
 use coordinator::farm::evaluate::external::on_slots;
 use coordinator::farm::evaluate::{EvaluateError, Evaluator, Finished, Request};
@@ -23,7 +22,7 @@ use worker::simulator::simulator;
 ///
 /// # Errors
 /// [`CommandError::Failed`], [`CommandError::BadInput`].
-pub fn open_simulator(source: &SceneSource, slots: usize) -> Result<Box<dyn Evaluator>, CommandError> {
+pub fn open_simulator(source: &SceneSource, slots: usize) -> Done<Box<dyn Evaluator>> {
     let interrupted = interruption()?;
     let Some(opened) = EvaluationSlots::open(source).transpose().map_err(CommandError::bad_input)? else {
         unreachable!("only scenes that name a simulator come here")
@@ -36,28 +35,24 @@ pub fn open_simulator(source: &SceneSource, slots: usize) -> Result<Box<dyn Eval
 ///
 /// # Errors
 /// [`CommandError::BadInput`].
-pub fn check_accuracy(origin: &str, accuracy: &AccuracyArguments) -> Result<(), CommandError> {
+pub fn check_accuracy(origin: &str, accuracy: &AccuracyArguments) -> Done {
     let given = [("--accuracy", accuracy.accuracy.is_some()), ("--max-error", accuracy.max_error.is_some())];
-    match given.iter().find(|(_, given)| *given) {
-        Some((option, _)) => Err(CommandError::refused(
-            format_args!("{option} is not for {origin}"),
-            "the simulator determines its own accuracy",
-        )),
-        None => Ok(()),
-    }
+    let Some((option, _)) = given.iter().find(|(_, given)| *given) else { return Ok(()) };
+    let subject = format_args!("{option} is not for {origin}");
+    Err(CommandError::refused(subject, "the simulator determines its own accuracy"))
 }
 
 /// True if the options ask for remote workers; otherwise this process runs the simulator without messages.
 pub fn has_remote_workers(farm: &FarmArguments) -> bool {
     let FarmArguments { workers, listen, config, insecure, scale, .. } = farm;
-    listen.is_some() || config.is_some() || *insecure || scale.is_some() || *workers == Some(Slots::Count(0))
+    listen.is_some() || config.is_some() || *insecure || scale.is_some() || *workers == Some(0)
 }
 
 /// The simulator of local workers next to remote ones; without local slots it is not used, and not opened.
 ///
 /// # Errors
 /// [`CommandError::BadInput`].
-pub fn own_simulator(source: &SceneSource, slots: usize) -> Result<Arc<dyn Simulator>, CommandError> {
+pub fn own_simulator(source: &SceneSource, slots: usize) -> Done<Arc<dyn Simulator>> {
     if slots == 0 {
         return Ok(simulator());
     }
@@ -72,14 +67,14 @@ pub fn own_simulator(source: &SceneSource, slots: usize) -> Result<Arc<dyn Simul
 ///
 /// # Errors
 /// [`CommandError`] if the simulator cannot be used, or the evaluation fails.
-pub fn simulate(source: &SceneSource, settings: &[(String, f64)]) -> Result<String, CommandError> {
+pub fn simulate(source: &SceneSource, settings: &[(String, f64)]) -> Done<String> {
     let scene = source.nominal();
     let sample = source.sample_with(settings)?;
     let request =
         Request { id: 0, sample, with_first_cycle: false, accuracy: None, level: 0, not_by: vec![] };
     let (mut found, end) = open_simulator(source, 1)?.outcomes(&[request], &mut |_| ());
     end.map_err(CommandError::Evaluate)?;
-    let lost = || CommandError::Evaluate(EvaluateError::NoOutcome { id: 0 });
+    let lost = || CommandError::Evaluate(EvaluateError::NoOutcome(0));
     let Finished { outcome, wall, .. } = found.pop().flatten().ok_or_else(lost)?;
     let evaluation = outcome.map_err(|failure| CommandError::failed_simulation(source.origin(), &failure))?;
     to_json(&of_outputs(scene, settings, &evaluation, wall))
@@ -92,11 +87,10 @@ pub fn explain(out: &mut String, scene: &Scene, simulator: &ExternalSimulator) -
         SimulatorKind::Program(program) => {
             writeln!(out, "  program: {}\n  {}", program.command.join(" "), exchange(program))?
         }
-        SimulatorKind::UmBridge(model) => writeln!(
-            out,
-            "  model \"{}\" of the UM-Bridge server {}, one request at a time per worker slot",
-            model.model, model.url
-        )?,
+        SimulatorKind::UmBridge(UmBridgeModel { model, url, .. }) => {
+            let of = format!("model \"{model}\" of the UM-Bridge server {url}");
+            writeln!(out, "  {of}, one request at a time per worker slot")?
+        }
     }
     match &simulator.gives {
         Gives::Life => {

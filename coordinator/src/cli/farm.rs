@@ -2,9 +2,9 @@
 //! simulator that a scene names, without messages if no remote workers are asked for.
 
 use super::external;
-use super::shared::Slots;
+use super::shared::cores;
 use super::signals::interruption;
-use super::{CommandError, FarmArguments};
+use super::{CommandError, Done, FarmArguments};
 use common::accuracy::NamedAccuracy;
 use common::evaluation_shape::EvaluationShape;
 use common::external::SimulatorId;
@@ -29,23 +29,9 @@ use worker::simulator::simulator;
 const SILENT: &str = "the coordinator no longer answers its own questions: its messaging has failed. Every evaluation recorded so \
                       far is saved: continue a study with `coordinator resume DIR`.";
 
-/// How the arguments ask a batch system for workers.
-fn scale_settings(arguments: &FarmArguments) -> Option<ScaleSettings> {
-    let (system, most) = (arguments.scale.clone()?, arguments.most?);
-    Some(ScaleSettings { system, most, idle: arguments.idle.unwrap_or(Duration::from_secs(60)) })
-}
-
 /// Number of local slots that the arguments ask for.
 pub fn local_slots(arguments: &FarmArguments) -> usize {
-    match arguments.workers.unwrap_or(Slots::Auto) {
-        Slots::Auto => cores(),
-        Slots::Count(slots) => slots,
-    }
-}
-
-/// Number of cores of this machine.
-pub fn cores() -> usize {
-    std::thread::available_parallelism().map_or(1, usize::from)
+    arguments.workers.unwrap_or_else(cores)
 }
 
 /// The evaluator of a command.
@@ -67,7 +53,7 @@ impl CommandEvaluator {
         settings: &Settings,
         resumed: bool,
         arguments: &FarmArguments,
-    ) -> Result<Self, CommandError> {
+    ) -> Done<Self> {
         let is_external = source.nominal().simulator.is_some();
         if is_external && !external::has_remote_workers(arguments) {
             let licences = arguments.licences.map_or(usize::MAX, |licences| licences as usize);
@@ -89,7 +75,7 @@ impl CommandEvaluator {
         settings: &Settings,
         farm: &FarmArguments,
         quiet: bool,
-    ) -> Result<Self, CommandError> {
+    ) -> Done<Self> {
         let mut evaluator = Self::open(source, settings, true, farm)?;
         evaluator.start_workers()?;
         if !quiet {
@@ -115,7 +101,7 @@ impl CommandEvaluator {
     ///
     /// # Errors
     /// [`CommandError::Worker`].
-    pub fn start_workers(&mut self) -> Result<(), CommandError> {
+    pub fn start_workers(&mut self) -> Done {
         match self {
             Self::Workers(farm) => farm.start_workers(),
             Self::Simulator(..) => Ok(()),
@@ -174,11 +160,7 @@ impl WorkerFarm {
     ///
     /// # Errors
     /// Those of [`WorkerFarm::listen`] and [`WorkerFarm::start_workers`].
-    pub fn start(
-        campaign: CampaignSpec,
-        arguments: &FarmArguments,
-        quiet: bool,
-    ) -> Result<Self, CommandError> {
+    pub fn start(campaign: CampaignSpec, arguments: &FarmArguments, quiet: bool) -> Done<Self> {
         let mut farm = Self::listen(campaign, arguments)?;
         farm.start_workers()?;
         if !quiet {
@@ -191,11 +173,11 @@ impl WorkerFarm {
     ///
     /// # Errors
     /// [`CommandError::Failed`], [`CommandError::Dispatch`], [`CommandError::BadInput`].
-    pub fn listen(mut campaign: CampaignSpec, arguments: &FarmArguments) -> Result<Self, CommandError> {
+    pub fn listen(mut spec: CampaignSpec, arguments: &FarmArguments) -> Done<Self> {
         let FarmArguments { listen, config, insecure, licences, mixed_builds, cross_check, .. } =
             arguments.clone();
-        campaign.build = campaign.build.filter(|_| !mixed_builds);
-        match &mut campaign.simulator {
+        spec.build = spec.build.filter(|_| !mixed_builds);
+        match &mut spec.simulator {
             Some(simulator) => simulator.licences = licences,
             None if licences.is_some() => {
                 let fault = "for scenes that name their own simulator, not for mechanisms";
@@ -203,38 +185,30 @@ impl WorkerFarm {
             }
             None => {}
         }
-        let is_external = campaign.simulator.is_some();
+        let is_external = spec.simulator.is_some();
         let is_exact = !is_external && !mixed_builds;
         let share = cross_check.or(is_exact.then_some(0.0));
-        campaign.cross_check = share.map(|share| CrossCheck { share, is_exact });
+        spec.cross_check = share.map(|share| CrossCheck { share, is_exact });
         let listen = Listen { endpoint: listen, config, insecure };
         let interrupted = interruption()?;
-        let number = campaign.id;
-        let evaluator = ZenohEvaluator::open(campaign, &listen, interrupted)?;
+        let campaign = spec.id;
+        let evaluator = ZenohEvaluator::open(spec, &listen, interrupted)?;
         let (arguments, simulator) = (arguments.clone(), simulator());
         let watched = |endpoint: &String| {
             watch(endpoint.clone(), arguments.config.clone(), Watch::default(), || end_process(SILENT))
         };
         let _watched = evaluator.endpoints().first().map(watched).transpose()?;
-        Ok(Self {
-            evaluator,
-            arguments,
-            simulator,
-            is_external,
-            local: None,
-            campaign: number,
-            scaling: None,
-            _watched,
-        })
+        let (local, scaling) = (None, None);
+        Ok(Self { evaluator, arguments, simulator, is_external, local, campaign, scaling, _watched })
     }
 
     /// Starts the local workers, and asks a batch system for others, if the arguments ask for any.
     ///
     /// # Errors
     /// [`CommandError::Worker`].
-    pub fn start_workers(&mut self) -> Result<(), CommandError> {
+    pub fn start_workers(&mut self) -> Done {
         let slots = local_slots(&self.arguments);
-        let endpoint = self.evaluator.endpoints().first().filter(|_| slots > 0).cloned();
+        let endpoint = self.evaluator.endpoints().first().cloned();
         let spawn = |endpoint| {
             let zenoh_config = self.arguments.config.clone();
             // The learner and the dispatch run in this process too: simulations give way to them.
@@ -242,9 +216,10 @@ impl WorkerFarm {
                 ServiceConfig { zenoh_config, give_way: true, ..ServiceConfig::new(endpoint, slots) };
             service::spawn(config, Arc::clone(&self.simulator))
         };
-        self.local = endpoint.map(spawn).transpose()?;
-        let endpoint = self.evaluator.endpoints().first().cloned();
-        if let (Some(settings), Some(endpoint)) = (scale_settings(&self.arguments), endpoint) {
+        self.local = endpoint.clone().filter(|_| slots > 0).map(spawn).transpose()?;
+        let FarmArguments { scale, most, idle, .. } = &self.arguments;
+        if let (Some(system), Some(most), Some(endpoint)) = (scale.clone(), *most, endpoint) {
+            let settings = ScaleSettings { system, most, idle: idle.unwrap_or(Duration::from_secs(60)) };
             if !matches!(settings.system, BatchSystem::Command(_)) && endpoint.contains("/127.0.0.1:") {
                 tracing::warn!(
                     "jobs on other machines cannot reach {endpoint}: --listen or --config sets another address"
@@ -283,15 +258,14 @@ impl WorkerFarm {
 ///
 /// # Errors
 /// [`CommandError::Json`].
-fn announced(source: &SceneSource, settings: &Settings, resumed: bool) -> Result<CampaignSpec, CommandError> {
+fn announced(source: &SceneSource, settings: &Settings, resumed: bool) -> Done<CampaignSpec> {
     let scene = source.nominal();
     let simulator = scene.simulator.as_ref().map(|simulator| CampaignSimulator {
         id: SimulatorId::new(simulator, scene),
         timeout: simulator.timeout,
         licences: None,
     });
-    let stored = serde_json::to_string(settings)?;
-    let campaign = of_mechanism(source, settings.accuracy.setting.clone(), &stored);
+    let campaign = of_mechanism(source, settings.accuracy.setting.clone(), &serde_json::to_string(settings)?);
     Ok(CampaignSpec { simulator, resumed, ..campaign })
 }
 

@@ -2,7 +2,7 @@
 
 use super::imported;
 use super::output::{file_of, unusable};
-use super::{CommandError, print, to_json};
+use super::{CommandError, Done, print, to_json};
 use clap::Args;
 use common::scene::{Faults, SceneSource, read_text};
 use serde_json::json;
@@ -33,7 +33,7 @@ const NAME: &str = "@name@";
 ///
 /// # Errors
 /// [`CommandError::BadInput`].
-pub fn init(arguments: &InitArguments, as_json: bool) -> Result<(), CommandError> {
+pub fn init(arguments: &InitArguments, as_json: bool) -> Done {
     let name = &arguments.name;
     let tame = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || "-_".contains(c));
     if !tame || SceneSource::builtin_names().contains(&name.as_str()) {
@@ -50,8 +50,7 @@ pub fn init(arguments: &InitArguments, as_json: bool) -> Result<(), CommandError
             let shown = from.display().to_string();
             let linkage =
                 imported::read(&read_text(from)?).map_err(|fault| CommandError::refused(&shown, fault))?;
-            let file = from.file_name().unwrap_or_default().display().to_string();
-            let text = linkage.scene(name, &file);
+            let text = linkage.scene(name, &from.file_name().unwrap_or_default().display().to_string());
             SceneSource::parse(&text, &shown).map_err(Faults::without_places)?;
             (text, linkage.unread)
         }

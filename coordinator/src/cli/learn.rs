@@ -1,7 +1,8 @@
 //! `coordinator learn`: parameters of a population from what was observed of its units, and R at a confidence.
 
+use super::shared::within;
 use super::{
-    CommandError, Destination, FarmArguments, OpenedStudy, Verbosity, answer_with, positive, share, value,
+    CommandError, Destination, Done, FarmArguments, OpenedStudy, Verbosity, answer_with, positive, share,
 };
 use clap::Args;
 use coordinator::analyses::learn::{LearnReport, LearnSettings, answer, laws_of, learn as learn_fleet};
@@ -45,7 +46,7 @@ pub struct LearnArguments {
     #[arg(long, value_name = "SHARE", default_value = "90%", value_parser = confidence)]
     pub confidence: f64,
     /// Sets of parameters of sequential Monte Carlo
-    #[arg(long, value_name = "N", default_value = "500", value_parser = sets)]
+    #[arg(long, value_name = "N", default_value = "500", value_parser = within(200, 20_000))]
     pub sets: usize,
     /// Add at most this many simulations where the population that was learned leaves those of the study
     #[arg(long, value_name = "N", value_parser = positive)]
@@ -63,15 +64,11 @@ pub fn confidence(text: &str) -> Result<f64, String> {
     read.ok_or_else(|| "allowed: a confidence from 50% to 99.9%, e.g. 90%".to_owned())
 }
 
-fn sets(text: &str) -> Result<usize, String> {
-    value(text, "a whole number from 200 to 20000", |n| (200..=20_000).contains(n))
-}
-
 /// Runs the command.
 ///
 /// # Errors
 /// [`CommandError`].
-pub fn learn(arguments: &LearnArguments, verbosity: Verbosity) -> Result<(), CommandError> {
+pub fn learn(arguments: &LearnArguments, verbosity: Verbosity) -> Done {
     let mut opened = OpenedStudy::open(&arguments.dir, arguments.refine.is_some())?;
     let mut report = learned(&opened, arguments)?;
     if let Some(further) = arguments.refine {
@@ -95,7 +92,7 @@ pub fn learn(arguments: &LearnArguments, verbosity: Verbosity) -> Result<(), Com
 }
 
 /// What the data say by all simulations that the study has.
-fn learned(opened: &OpenedStudy, arguments: &LearnArguments) -> Result<LearnReport, CommandError> {
+fn learned(opened: &OpenedStudy, arguments: &LearnArguments) -> Done<LearnReport> {
     let present = opened.present()?;
     let model = opened.life_model()?;
     let (studied, summary) = (opened.study.scene(), &opened.summary);
@@ -106,7 +103,6 @@ fn learned(opened: &OpenedStudy, arguments: &LearnArguments) -> Result<LearnRepo
     let mut settings = LearnSettings::new(opened.study.settings.seed);
     settings.sets = arguments.sets;
     settings.confidence = arguments.confidence;
-    let fixed = fixed_bounds(&opened.study.source);
-    learn_fleet(studied, summary, model, &data, &designs, &fixed, &settings)
+    learn_fleet(studied, summary, model, &data, &designs, &fixed_bounds(&opened.study.source), &settings)
         .map_err(|error| CommandError::refused(arguments.data.display(), error.to_string()))
 }

@@ -40,9 +40,10 @@ pub fn measured_findings(source: &SceneSource) -> Vec<MeasuredFinding> {
 
 fn finding(measured: &MeasuredVariable, unit: &str) -> MeasuredFinding {
     let MeasuredVariable { name, samples, family, .. } = measured;
-    let families = Family::ALL.into_iter().filter(|family| family.fit(samples).is_ok()).map(|family| {
+    let fitting = Family::WORDS.into_iter().filter(|(_, family)| family.fit(samples).is_ok());
+    let families = fitting.map(|(word, family)| {
         let GoodnessOfFit { statistic, p } = anderson_darling(family, samples);
-        FamilyTest { family: family.word(), a2: statistic, p }
+        FamilyTest { family: word, a2: statistic, p }
     });
     let scale = unit_scale(unit);
     let shown = |value: f64| three_digits(value / scale).replace('\u{2212}', "-");
@@ -61,23 +62,25 @@ impl MeasuredFinding {
     /// The lines about the variable.
     pub fn lines(&self) -> String {
         let Self { variable, values, range, .. } = self;
-        let tests = |tests: &mut dyn Iterator<Item = &FamilyTest>| {
-            tests.map(|test| format!("{} p = {:.3}", test.family, test.p)).collect::<Vec<_>>().join(", ")
+        let tests = |but: &str| {
+            let others = self.families.iter().filter(|test| test.family != but);
+            others.map(|test| format!("{} p = {:.3}", test.family, test.p)).collect::<Vec<_>>().join(", ")
         };
         match self.family {
             None => format!(
                 "{variable}: empirical distribution of {values} measured values from {range}; no value beyond them occurs, so failures rarer \
                  than about 1 in {values} need a fit\n  fit = ... (Anderson-Darling): {}\n",
-                tests(&mut self.families.iter())
+                tests("")
             ),
             Some(family) => {
                 let own = self.families.iter().find(|test| test.family == family);
-                let own =
-                    own.map(|test| format!("A^2 = {:.3}, p = {:.3}", test.a2, test.p)).unwrap_or_default();
+                let own = own
+                    .map(|FamilyTest { a2, p, .. }| format!("A^2 = {a2:.3}, p = {p:.3}"))
+                    .unwrap_or_default();
                 format!(
                     "{variable}: {family} fitted to {values} measured values from {range}; Anderson-Darling {own} (parameters estimated: \
                      {REPLICATIONS} samples, fitted anew each)\n  others: {}\n",
-                    tests(&mut self.families.iter().filter(|test| test.family != family))
+                    tests(family)
                 )
             }
         }

@@ -23,7 +23,6 @@ mod monitor;
 mod nominal;
 mod optimise;
 mod output;
-mod pdf;
 mod replace;
 mod results;
 mod run;
@@ -46,7 +45,7 @@ use accuracy::AccuracyArguments;
 use command::{CommandArguments, CommandLine};
 use common::panics::end_process_on_panic;
 use coordinator::presentation::terminal::print_message;
-use error::CommandError;
+use error::{CommandError, Done};
 use farm::{CommandEvaluator, WorkerFarm, of_mechanism};
 use output::{Destination, answer_with, count, print, to_json};
 use scenes::check_linkage;
@@ -77,30 +76,24 @@ pub fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             if error.exit_code() != 0 {
-                print_message(explained(&error).trim_end());
+                let text = match &error {
+                    CommandError::Scene(faults) => faults.explained(),
+                    error => format!("error: {error}"),
+                };
+                print_message(text.trim_end());
             }
             ExitCode::from(error.exit_code())
         }
     }
 }
 
-/// An error as printed; faults of a scene with the lines that they are in.
-fn explained(error: &CommandError) -> String {
-    match error {
-        CommandError::Scene(faults) => faults.explained(),
-        error => format!("error: {error}\n"),
-    }
-}
-
-fn run_command(arguments: CommandLine) -> Result<(), CommandError> {
+fn run_command(arguments: CommandLine) -> Done {
     let CommandLine { verbosity, run: options, command } = arguments;
     let json = verbosity.json;
     let Some(command) = command else { return run::run(&options, verbosity) };
     if options != RunArguments::default() {
-        return Err(CommandError::refused(
-            "options of a study go after `run`",
-            "coordinator run --workers ...",
-        ));
+        let fault = "coordinator run --workers ...";
+        return Err(CommandError::refused("options of a study go after `run`", fault));
     }
     match command {
         CommandArguments::Run(options) => run::run(&options, verbosity),

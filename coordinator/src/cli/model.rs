@@ -48,11 +48,8 @@ impl Model {
     /// Expected time of an evaluation; none if the first cycle cannot be simulated.
     pub fn expected(&self) -> Option<String> {
         let look = self.look.as_ref().ok()?;
-        let (seconds, steps) = (look.expected.as_secs_f64(), look.steps_per_cycle);
-        Some(format!(
-            "about {seconds:.2} s a simulation at `{}` here, {steps} time steps a cycle",
-            self.accuracy
-        ))
+        let (seconds, steps, accuracy) = (look.expected.as_secs_f64(), look.steps_per_cycle, &self.accuracy);
+        Some(format!("about {seconds:.2} s a simulation at `{accuracy}` here, {steps} time steps a cycle"))
     }
 
     /// Writes the model as text.
@@ -62,10 +59,10 @@ impl Model {
             Ok(look) => look,
             Err(failure) => return writeln!(out, "  The first cycle cannot be simulated: {failure}.\n"),
         };
-        let given = scene.bodies.iter().filter(|b| !matches!(b.motion, Motion::Free { .. })).count();
-        let several = format!("{given} bodies with prescribed motion cost");
-        let given = if given == 1 { "1 body with prescribed motion costs" } else { &several };
-        writeln!(out, "  {given} nothing.")?;
+        match scene.bodies.iter().filter(|b| !matches!(b.motion, Motion::Free { .. })).count() {
+            1 => writeln!(out, "  1 body with prescribed motion costs nothing.")?,
+            given => writeln!(out, "  {given} bodies with prescribed motion cost nothing.")?,
+        }
         for (k, i) in look.islands.iter().enumerate() {
             writeln!(
                 out,

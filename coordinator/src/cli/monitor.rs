@@ -2,7 +2,7 @@
 
 use super::draw::drawing_figure;
 use super::signals::interruption;
-use super::{CommandError, CommandEvaluator};
+use super::{CommandError, CommandEvaluator, Done};
 use clap::Args;
 use common::scene::Scene;
 use coordinator::farm::dispatch::StatusBoard;
@@ -50,17 +50,15 @@ impl Monitor {
         dir: &Path,
         scene: &Scene,
         settings: &Settings,
-    ) -> Result<Self, CommandError> {
+    ) -> Done<Self> {
         let (board, look) = evaluator.status();
         let live =
             arguments.live.as_deref().map(listen_address).transpose().map_err(CommandError::bad_input)?;
         let page = |address| {
             let drawing = drawing_figure(&scene.name, scene);
             let live = Arc::new(LivePage::new(dir, scene, settings, look.clone(), drawing));
-            Ok::<_, CommandError>((
-                Arc::clone(&live),
-                MonitorServer::live(address, live).map_err(CommandError::bad_input)?,
-            ))
+            let server = MonitorServer::live(address, Arc::clone(&live)).map_err(CommandError::bad_input)?;
+            Ok::<_, CommandError>((live, server))
         };
         Ok(Monitor { board, live: live.map(page).transpose()?, keep: arguments.live_keep })
     }
@@ -97,7 +95,7 @@ impl Monitor {
     ///
     /// # Errors
     /// [`CommandError::Failed`].
-    pub fn serve(self) -> Result<(), CommandError> {
+    pub fn serve(self) -> Done {
         let Some((live, server)) = self.live else { return Ok(()) };
         let interrupted = interruption()?;
         print_message(format_args!(

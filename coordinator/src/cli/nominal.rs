@@ -49,13 +49,9 @@ pub fn nominal_evaluation(
         return Ok(None);
     }
     let at = |accuracy: &Accuracy, block: f64| until_failed(scene, accuracy, block, say);
-    let found = match accuracy {
-        Some(accuracy) => at(accuracy, 0.0),
-        None => {
-            at(&Accuracy::draft(), 1.0 / f64::from(BLOCKS)).or_else(|_| at(&scene.accuracy.accuracy, 0.0))
-        }
-    };
-    found.map(Some)
+    let coarse = || at(&Accuracy::draft(), 1.0 / f64::from(BLOCKS));
+    let found = accuracy.map(|accuracy| at(accuracy, 0.0));
+    found.unwrap_or_else(|| coarse().or_else(|_| at(&scene.accuracy.accuracy, 0.0))).map(Some)
 }
 
 /// Simulates the life of a mechanism as far as it takes to pass every limit by more than its error, or for [`MOST_BEYOND`] lives, in blocks of
@@ -93,16 +89,12 @@ fn until_failed(
         if cycles == life.cycles || expected < f64::from(cycles) {
             return Ok(evaluation);
         }
-        let each = lives
-            .iter()
-            .map(|life| format!("{} {} of {}", life.limit.name, life.shown(life.last), life.thresholds()));
-        let each: Vec<String> = each.collect();
-        say(format!(
-            "{} of {} cycles simulated: {}",
-            grouped(cycles.into()),
-            grouped(life.cycles.into()),
-            each.join(", ")
-        ));
+        let each = |life: &NominalLife| {
+            format!("{} {} of {}", life.limit.name, life.shown(life.last), life.thresholds())
+        };
+        let each: Vec<String> = lives.iter().map(each).collect();
+        let [done, all] = [cycles, life.cycles].map(|cycles| grouped(cycles.into()));
+        say(format!("{done} of {all} cycles simulated: {}", each.join(", ")));
         let next = whole_checkpoints(RESERVE * expected.min(2.0 * f64::from(life.cycles)));
         // No more than a part again, or all of it.
         cycles = if next > cycles && next < life.cycles / 2 { next } else { life.cycles };

@@ -2,8 +2,8 @@
 //! simulations at the optimum.
 
 use super::{
-    CommandError, Destination, FarmArguments, OpenedStudy, StoredStudy, Verbosity, answer_with,
-    stored_correction, whole,
+    Destination, Done, FarmArguments, OpenedStudy, StoredStudy, Verbosity, answer_with, stored_correction,
+    whole,
 };
 use clap::Args;
 use common::scene::{InputFile, Scene};
@@ -60,8 +60,8 @@ pub struct OptimiseArguments {
 /// Runs the command.
 ///
 /// # Errors
-/// [`CommandError`].
-pub fn optimise(arguments: &OptimiseArguments, verbosity: Verbosity) -> Result<(), CommandError> {
+/// [`super::CommandError`].
+pub fn optimise(arguments: &OptimiseArguments, verbosity: Verbosity) -> Done {
     let mut opened = OpenedStudy::open(&arguments.dir, arguments.max_evaluations > 0)?;
     let base = opened.present()?;
     let file = InputFile::load(&arguments.problem)?;
@@ -75,9 +75,8 @@ pub fn optimise(arguments: &OptimiseArguments, verbosity: Verbosity) -> Result<(
     let mut document = json(&found, result.evaluations.added);
     document["optimum"] = serde_json::to_value(&result)?;
     let curves = [("study", found.before), ("optimum", found.after)]
-        .map(|(name, summary)| ComparedStudy { name: name.to_owned(), summary })
-        .to_vec();
-    let mut answer = answer(&result, &opened.study.scene().name, curves);
+        .map(|(name, summary)| ComparedStudy { name: name.to_owned(), summary });
+    let mut answer = answer(&result, &opened.study.scene().name, curves.to_vec());
     answer.files.push(("scene.toml".to_owned(), changed.text().to_owned()));
     answer_with(&answer, &document, arguments.out.as_ref(), verbosity.json)
 }
@@ -89,7 +88,7 @@ fn search(
     problem: &DesignProblem,
     arguments: &OptimiseArguments,
     verbosity: Verbosity,
-) -> Result<OptimisationResult, CommandError> {
+) -> Done<OptimisationResult> {
     let basis = StudyBasis {
         problem: Problem::of_changed_scene(base, opened.study.scene()),
         settings: opened.settings.clone(),
@@ -102,7 +101,7 @@ fn search(
     let mut evaluator = opened.evaluator(&arguments.farm, verbosity.quiet)?;
     let correction = stored_correction(&opened.study.campaign, opened.study.scene())?;
     let OpenedStudy { study: StoredStudy { campaign, source, .. }, settings, .. } = opened;
-    let mut journal = FurtherEvaluations::of(campaign);
+    let mut journal = FurtherEvaluations(campaign);
     let mut next = basis.outcomes.len() as u64;
     let mut simulate = |requests: &[SampleRequest]| -> Result<Vec<ObservedOutcome>, AnalysisError> {
         let (scene, evaluator) = (source.nominal(), evaluator.evaluator());

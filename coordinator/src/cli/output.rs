@@ -1,6 +1,6 @@
 //! Output of results to standard output or a file.
 
-use super::error::CommandError;
+use super::error::{CommandError, Done};
 use clap::builder::{PathBufValueParser, TypedValueParser, ValueParser, ValueParserFactory};
 use coordinator::presentation::report::answer::Answer;
 use coordinator::results::result_files::{create_folder, write_text};
@@ -17,7 +17,7 @@ pub fn count(n: usize, noun: &str) -> String {
 ///
 /// # Errors
 /// [`CommandError::Json`].
-pub fn to_json(result: &impl Serialize) -> Result<String, CommandError> {
+pub fn to_json(result: &impl Serialize) -> Done<String> {
     let mut text = serde_json::to_string_pretty(result)?;
     text.push('\n');
     Ok(text)
@@ -27,7 +27,7 @@ pub fn to_json(result: &impl Serialize) -> Result<String, CommandError> {
 ///
 /// # Errors
 /// [`CommandError::Output`].
-pub fn print(text: &str) -> Result<(), CommandError> {
+pub fn print(text: &str) -> Done {
     let mut out = std::io::stdout().lock();
     out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(CommandError::Output)
 }
@@ -36,7 +36,7 @@ pub fn print(text: &str) -> Result<(), CommandError> {
 ///
 /// # Errors
 /// [`CommandError::BadInput`].
-pub fn check_destination(file: Option<&Path>) -> Result<(), CommandError> {
+pub fn check_destination(file: Option<&Path>) -> Done {
     let Some(file) = file else { return Ok(()) };
     fault_of_file(file).map_or(Ok(()), |fault| Err(unusable(file, fault)))
 }
@@ -54,7 +54,7 @@ fn fault_of_file(file: &Path) -> Option<String> {
 ///
 /// # Errors
 /// [`CommandError::BadInput`], [`CommandError::ResultFile`].
-pub fn file_of(out: &Path, name: &str) -> Result<PathBuf, CommandError> {
+pub fn file_of(out: &Path, name: &str) -> Done<PathBuf> {
     if !out.is_dir() && (out.exists() || out.extension().is_some()) {
         check_destination(Some(out))?;
         return Ok(out.to_owned());
@@ -77,7 +77,7 @@ pub fn unusable(file: &Path, fault: String) -> CommandError {
 ///
 /// # Errors
 /// [`CommandError::ResultFile`], [`CommandError::Output`].
-pub fn deliver(text: &str, file: Option<&Path>) -> Result<(), CommandError> {
+pub fn deliver(text: &str, file: Option<&Path>) -> Done {
     match file {
         None => print(text),
         Some(path) => Ok(write_text(path, text)?),
@@ -131,7 +131,7 @@ pub fn answer_with(
     document: &impl Serialize,
     out: Option<&Destination>,
     as_json: bool,
-) -> Result<(), CommandError> {
+) -> Done {
     let json = to_json(document)?;
     let mut printed = if as_json { json.clone() } else { answer.text() };
     match out {

@@ -1,6 +1,7 @@
 //! `coordinator replace`: the age, or the measured level, of replacement with the least cost, from a finished study.
 
-use super::{CommandError, Destination, OpenedStudy, answer_with, probability, value};
+use super::shared::above_zero;
+use super::{CommandError, Destination, Done, OpenedStudy, answer_with, probability, value};
 use clap::Args;
 use common::scene::Scene;
 use coordinator::analyses::quantity::output_quantity;
@@ -30,10 +31,10 @@ pub struct ReplaceArguments {
     /// Folder of the study
     pub dir: PathBuf,
     /// Cost of a planned replacement
-    #[arg(long, value_name = "C", default_value = "1", value_parser = cost)]
+    #[arg(long, value_name = "C", default_value = "1", value_parser = above_zero)]
     pub planned_cost: f64,
     /// Total cost of a failure, its replacement included, not a surcharge
-    #[arg(long, value_name = "C", value_parser = cost)]
+    #[arg(long, value_name = "C", value_parser = above_zero)]
     pub failure_cost: f64,
     /// Failures that count: a limit state, or total
     #[arg(long, value_name = "NAME", default_value = "total")]
@@ -45,10 +46,10 @@ pub struct ReplaceArguments {
     #[arg(long, value_name = "C", default_value = "90%", value_parser = probability, requires = "reliability")]
     pub confidence: f64,
     /// Inspect every N cycles and replace above a measured level; several distances with commas
-    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = cost, group = "schedule")]
+    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = above_zero, group = "schedule")]
     pub inspect_every: Vec<f64>,
     /// Inspect at these lives instead, increasing, with commas
-    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = cost, group = "schedule")]
+    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = above_zero, group = "schedule")]
     pub inspect_at: Vec<f64>,
     /// Cost of an inspection
     #[arg(long, value_name = "C", default_value = "0", value_parser = cost_or_zero, requires = "schedule")]
@@ -65,11 +66,6 @@ pub struct ReplaceArguments {
     pub out: Option<Destination>,
 }
 
-/// Reads a number above zero.
-fn cost(text: &str) -> Result<f64, String> {
-    value(text, "a number above 0", |x: &f64| *x > 0.0 && x.is_finite())
-}
-
 /// Reads a number from zero on.
 fn cost_or_zero(text: &str) -> Result<f64, String> {
     value(text, "a number >= 0", |x: &f64| *x >= 0.0 && x.is_finite())
@@ -79,7 +75,7 @@ fn cost_or_zero(text: &str) -> Result<f64, String> {
 ///
 /// # Errors
 /// [`CommandError`].
-pub fn replace(arguments: &ReplaceArguments, as_json: bool) -> Result<(), CommandError> {
+pub fn replace(arguments: &ReplaceArguments, as_json: bool) -> Done {
     let costs = ReplacementCosts { planned: arguments.planned_cost, failure: arguments.failure_cost };
     check_costs(&costs).map_err(CommandError::bad_input)?;
     let opened = OpenedStudy::open(&arguments.dir, false)?;
@@ -97,32 +93,29 @@ pub fn replace(arguments: &ReplaceArguments, as_json: bool) -> Result<(), Comman
 }
 
 /// The inspections asked for.
-fn plan(arguments: &ReplaceArguments, scene: &Scene) -> Result<InspectionPlan, CommandError> {
-    let names = || scene.outputs.iter().map(|output| output.name.as_str()).collect::<Vec<_>>().join(", ");
+fn plan(arguments: &ReplaceArguments, scene: &Scene) -> Done<InspectionPlan> {
+    let names: Vec<&str> = scene.outputs.iter().map(|output| output.name.as_str()).collect();
     let refused = |option: &str, value: &str, fault: String| {
         CommandError::refused(format_args!("{option} {value}"), fault)
     };
-    let output = match &arguments.inspect_output {
-        Some(name) => scene.outputs.iter().position(|output| output.name == *name).ok_or_else(|| {
-            refused("--inspect-output", name, format!("this study has no such output; allowed: {}", names()))
-        })?,
+    let (given, first) = (&arguments.inspect_output, scene.limit_states[0].output);
+    let (output, fault) = match given {
+        Some(name) => (names.iter().position(|own| own == name), "this study has no such output; allowed:"),
         None => {
-            let first = scene.limit_states[0].output;
-            if scene.limit_states.iter().any(|limit| limit.output != first) {
-                let missing = format!("the limit states have several outputs, name one of {}", names());
-                return Err(refused("--inspect-output", "(none)", missing));
-            }
-            first
+            let is_same = scene.limit_states.iter().all(|limit| limit.output == first);
+            (is_same.then_some(first), "the limit states have several outputs, name one of")
         }
     };
-    let error =
-        arguments.inspect_error.as_ref().map(|text| match output_quantity(&scene.outputs[output], text) {
-            Ok(error) if error >= 0.0 => Ok(error),
-            read => {
-                Err(refused("--inspect-error", text, read.err().unwrap_or("allowed: 0 or above".to_owned())))
-            }
-        });
-    let error = error.transpose()?.unwrap_or(0.0);
+    let output = output.ok_or_else(|| {
+        let value = given.as_deref().unwrap_or("(none)");
+        refused("--inspect-output", value, format!("{fault} {}", names.join(", ")))
+    })?;
+    let error = match &arguments.inspect_error {
+        None => 0.0,
+        Some(text) => output_quantity(&scene.outputs[output], text)
+            .and_then(|error| if error >= 0.0 { Ok(error) } else { Err("allowed: 0 or above".to_owned()) })
+            .map_err(|fault| refused("--inspect-error", text, fault))?,
+    };
     let costs = PolicyCosts {
         planned: arguments.planned_cost,
         failure: arguments.failure_cost,

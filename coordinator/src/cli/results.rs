@@ -1,10 +1,11 @@
 //! `coordinator sensitivity` and `coordinator report`: results of a finished study, without a new evaluation.
+//!
+//! Prints a page to a PDF file with a browser of this machine.
 
 use super::learn::confidence as confidence_level;
-use super::pdf::print_page;
 use super::shared::ReportTexts;
 use super::stored_study::{not_finished, scene_of};
-use super::{CommandError, OpenedStudy, print, summary_of, to_json};
+use super::{CommandError, Done, OpenedStudy, print, summary_of, to_json};
 use clap::Args;
 use coordinator::analyses::learn::confident_answer;
 use coordinator::presentation::report;
@@ -14,7 +15,10 @@ use coordinator::results::store::CampaignFile;
 use coordinator::results::summary::{SensitivityRow, SobolRow, StudySummary};
 use coordinator::statistics::reliability::REACH;
 use serde_json::{Value, json};
+use std::ffi::OsStr;
+use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 /// Number of variables shown per limit state.
 const SHOWN: usize = 10;
@@ -41,10 +45,10 @@ pub struct ReportArguments {
 ///
 /// # Errors
 /// [`CommandError::Store`], [`CommandError::BadInput`], [`CommandError::Failed`], or the error of a file that cannot be written.
-pub fn report(arguments: &ReportArguments, as_json: bool) -> Result<(), CommandError> {
+pub fn report(arguments: &ReportArguments, as_json: bool) -> Done {
     let ReportArguments { dir, out, pdf, confidence, texts } = arguments;
     let (campaign, texts) = (CampaignFile::look(dir)?, texts.given());
-    let stated = confidence.map(|confidence| -> Result<_, CommandError> {
+    let stated = confidence.map(|confidence| -> Done<_> {
         let opened = OpenedStudy::open(dir, false)?;
         let confident = opened.confident(&opened.present()?, confidence)?;
         let StudySummary { scene, reliability, .. } = &opened.summary;
@@ -56,8 +60,8 @@ pub fn report(arguments: &ReportArguments, as_json: bool) -> Result<(), CommandE
         Some(out) => write_results(&campaign, out, &texts)?,
         None => write_results(&campaign, dir, &texts).map_err(|error| error.of_report_in(dir))?,
     };
-    let path = std::env::var_os("PATH").unwrap_or_default();
-    let printed = pdf.then(|| print_page(&page, &path)).transpose()?;
+    let printed =
+        pdf.then(|| print_page(&page, &std::env::var_os("PATH").unwrap_or_default())).transpose()?;
     let confidence_page = stated.as_ref().map(|(answer, _)| answer.write(out.as_ref().unwrap_or(dir)));
     let confidence_page = confidence_page.transpose()?;
     if as_json {
@@ -80,11 +84,7 @@ pub fn report(arguments: &ReportArguments, as_json: bool) -> Result<(), CommandE
 ///
 /// # Errors
 /// [`CommandError::BadInput`], or the error of a file that cannot be written.
-pub fn write_results(
-    campaign: &CampaignFile,
-    out: &Path,
-    texts: &[(&'static str, &str)],
-) -> Result<PathBuf, CommandError> {
+pub fn write_results(campaign: &CampaignFile, out: &Path, texts: &[(&'static str, &str)]) -> Done<PathBuf> {
     let source = scene_of(campaign)?;
     report::write_all(campaign, source.nominal(), out, texts)?.ok_or_else(|| not_finished(campaign))
 }
@@ -93,7 +93,7 @@ pub fn write_results(
 ///
 /// # Errors
 /// [`CommandError::Store`], [`CommandError::BadInput`].
-pub fn sensitivity(dir: &Path, as_json: bool) -> Result<(), CommandError> {
+pub fn sensitivity(dir: &Path, as_json: bool) -> Done {
     let summary = summary_of(&CampaignFile::look(dir)?)?;
     if as_json {
         return print(&to_json(&rows_with_sobol(&summary))?);
@@ -169,13 +169,9 @@ fn cells(summary: &StudySummary, row: &SensitivityRow) -> Vec<String> {
 /// Of the checkpoints with derivatives, the one where the reliability is nearest one half.
 fn checkpoint_nearest_one_half(summary: &StudySummary, state: &str) -> Option<u32> {
     let has_derivatives = |cycles: u32| strongest(summary, state, cycles).iter().any(|row| row.is_known());
-    summary
-        .reliability
-        .iter()
-        .filter(|row| has_derivatives(row.cycles))
-        .filter_map(|row| Some((row.cycles, (row.reliability.get(state)? - 0.5).abs())))
-        .min_by(|a, b| a.1.total_cmp(&b.1))
-        .map(|(cycles, _)| cycles)
+    let known = summary.reliability.iter().filter(|row| has_derivatives(row.cycles));
+    let distances = known.filter_map(|row| Some((row.cycles, (row.reliability.get(state)? - 0.5).abs())));
+    distances.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(cycles, _)| cycles)
 }
 
 /// The variables, those with the largest changes first.
@@ -184,4 +180,105 @@ fn strongest<'s>(summary: &'s StudySummary, state: &str, cycles: u32) -> Vec<&'s
     let mut rows: Vec<_> = summary.sensitivity.iter().filter(of_state).collect();
     rows.sort_by(|a, b| b.strength().total_cmp(&a.strength()));
     rows
+}
+
+/// Browsers that print without a window, in the order of preference.
+const BROWSERS: [&str; 5] =
+    ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "microsoft-edge"];
+
+/// The first browser in the folders of `path`, the value of the environment variable PATH.
+fn browser(path: &OsStr) -> Option<PathBuf> {
+    BROWSERS.iter().find_map(|name| {
+        std::env::split_paths(path).map(|folder| folder.join(name)).find(|file| file.is_file())
+    })
+}
+
+/// Prints a page to the file of the same name that ends in `.pdf`, with a browser from the folders of `path`; returns the
+/// file.
+///
+/// # Errors
+/// [`CommandError::Failed`] if none of the browsers is there, starts or writes a file.
+pub fn print_page(page: &Path, path: &OsStr) -> Done<PathBuf> {
+    let no_pdf = |fault: String| CommandError::Failed(format!("no PDF: {fault}"));
+    let browser = browser(path).ok_or_else(|| {
+        let (browsers, page) = (BROWSERS.join(", "), page.display());
+        no_pdf(format!(
+            "none of {browsers} is on the path; open {page} in any browser and print it to a file, its style sheet is made for A4"
+        ))
+    })?;
+    let not_started =
+        |error: std::io::Error| no_pdf(format!("{} cannot be started: {error}", browser.display()));
+    let page = std::path::absolute(page).map_err(not_started)?;
+    let file = page.with_extension("pdf");
+    if let Err(error) = std::fs::remove_file(&file)
+        && error.kind() != std::io::ErrorKind::NotFound
+    {
+        return Err(not_started(error));
+    }
+    // A profile of its own: a browser with open windows would take the page over and print nothing.
+    let profile = tempfile::tempdir().map_err(not_started)?;
+    let mut command = Command::new(&browser);
+    command
+        .args([
+            "--headless",
+            "--disable-gpu",
+            "--disable-background-networking",
+            "--no-first-run",
+            "--no-pdf-header-footer",
+        ])
+        .arg(format!("--user-data-dir={}", profile.path().display()))
+        .arg(format!("--print-to-pdf={}", file.display()));
+    // Chromium refuses to start as root (the owner of the new profile) in its sandbox; the page is this program's own and loads
+    // nothing.
+    if std::fs::metadata(profile.path()).map_err(not_started)?.uid() == 0 {
+        command.arg("--no-sandbox");
+    }
+    let done = command.arg(&page).output().map_err(not_started)?;
+    if file.is_file() {
+        return Ok(file);
+    }
+    let messages = String::from_utf8_lossy(&done.stderr);
+    let message = messages.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or("none");
+    Err(no_pdf(format!("{} wrote no file; its last message: {message}", browser.display())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::os::unix::fs::PermissionsExt;
+
+    /// A folder with a program `google-chrome` of these lines of the shell, and a page next to it.
+    fn with_browser(lines: &str) -> (tempfile::TempDir, PathBuf) {
+        let dir = tempfile::tempdir().expect("a folder");
+        let program = dir.path().join("google-chrome");
+        std::fs::write(&program, format!("#!/bin/sh\n{lines}\n")).expect("a program");
+        std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).expect("its rights");
+        let page = dir.path().join("report.html");
+        std::fs::write(&page, "<p>a</p>").expect("a page");
+        (dir, page)
+    }
+
+    #[test]
+    fn a_browser_on_the_path_prints_the_page() {
+        let lines = "for word; do case $word in --print-to-pdf=*) out=${word#*=};; esac; last=$word; done\n\
+                     /bin/cp \"$last\" \"$out\"";
+        let (dir, page) = with_browser(lines);
+        let file = print_page(&page, dir.path().as_os_str()).expect("a PDF file");
+        assert_eq!(file, dir.path().join("report.pdf"));
+        assert_eq!(std::fs::read_to_string(file).expect("the copy"), "<p>a</p>");
+    }
+
+    #[test]
+    fn without_a_file_or_a_browser_there_is_a_sentence() {
+        let (dir, page) = with_browser("echo first >&2; echo no display >&2; exit 3");
+        // A file from before is no result.
+        std::fs::write(page.with_extension("pdf"), "old").expect("an old file");
+        let said = print_page(&page, dir.path().as_os_str()).unwrap_err().to_string();
+        assert!(said.ends_with("google-chrome wrote no file; its last message: no display"), "{said}");
+        let said = print_page(&page, OsStr::new("")).unwrap_err().to_string();
+        assert!(
+            said.starts_with("no PDF: none of chromium, ") && said.contains("report.html in any browser"),
+            "{said}"
+        );
+    }
 }

@@ -4,16 +4,17 @@
 
 use super::designs::{Machines, after_study};
 use super::external;
-use super::farm::{cores, local_slots};
+use super::farm::local_slots;
 use super::monitor::Monitor;
 use super::results::write_results;
+use super::shared::cores;
 use super::signals::interruption;
 use super::stored_study::{END_DOCUMENT, design_keys};
 use super::study_options::{ResumeArguments, RunArguments};
 use super::variants::{self, store_variants, variants_of};
 use super::{
-    CommandError, CommandEvaluator, DEFAULT_SCENE, FarmArguments, StoredStudy, Verbosity, check_linkage,
-    load_with, print, summary_of, to_json,
+    CommandError, CommandEvaluator, DEFAULT_SCENE, Done, FarmArguments, StoredStudy, Verbosity,
+    check_linkage, load_with, print, summary_of, to_json,
 };
 use coordinator::analyses::designs::{DESIGNS_DOCUMENT, DesignSpace};
 use coordinator::presentation::motion_cautions::motion_cautions;
@@ -30,7 +31,7 @@ use std::path::{Path, PathBuf};
 ///
 /// # Errors
 /// [`CommandError`].
-pub fn run(arguments: &RunArguments, verbosity: Verbosity) -> Result<(), CommandError> {
+pub fn run(arguments: &RunArguments, verbosity: Verbosity) -> Done {
     let source = load_with(arguments.scene.as_deref().unwrap_or(DEFAULT_SCENE), &arguments.set)?;
     let mut source = arguments.texts.in_scene(source)?;
     let space = match arguments.design.as_slice() {
@@ -38,8 +39,7 @@ pub fn run(arguments: &RunArguments, verbosity: Verbosity) -> Result<(), Command
         ranges => Some(DesignSpace::new(source.clone(), ranges)?),
     };
     if let Some(space) = &space {
-        let method = arguments.method.method.unwrap_or_default();
-        if !method.learns() {
+        if !arguments.method.method.unwrap_or_default().learns() {
             let given = format!("--design {}", arguments.design.join(", "));
             let fault = "design variables need --method ak, whose surrogates answer for every design";
             return Err(CommandError::refused(given, fault));
@@ -99,7 +99,7 @@ pub fn run(arguments: &RunArguments, verbosity: Verbosity) -> Result<(), Command
 ///
 /// # Errors
 /// [`CommandError`].
-pub fn resume(arguments: &ResumeArguments, verbosity: Verbosity) -> Result<(), CommandError> {
+pub fn resume(arguments: &ResumeArguments, verbosity: Verbosity) -> Done {
     let ResumeArguments { dir, distrust, variants, extension, farm, monitor } = arguments;
     // A study that this version cannot go on with is refused before its file is brought up to the present layout.
     StoredStudy::look(dir)?;
@@ -135,24 +135,29 @@ pub fn resume(arguments: &ResumeArguments, verbosity: Verbosity) -> Result<(), C
     let monitor = Monitor::open(monitor, &evaluator, dir, study.scene(), &study.settings)?;
     study.campaign.forget_failed_start()?;
     // Another build computes what follows: from which evaluation on, the legs say.
-    let by_another = study.campaign.legs()?.last().is_none_or(|leg| leg.version != program());
-    if begins_leg || by_another {
+    if begins_leg || study.campaign.legs()?.last().is_none_or(|leg| leg.version != program()) {
         let settings = serde_json::to_value(&study.settings)?;
         study.campaign.begin_leg(settings, &command_line(), &program())?;
     }
     finish(study, evaluator, monitor, farm, verbosity)
 }
 
-/// Learns the variants of the model that are missing, and prints the summary.
+/// Learns the variants of the model that are missing, and prints the summary, as text or JSON.
 fn with_variants(
     study: StoredStudy,
     farm: &FarmArguments,
     mut summary: StudySummary,
     verbosity: Verbosity,
-) -> Result<(), CommandError> {
-    let study = variants::after_study(study, farm, verbosity)?;
-    summary.variants = summary_of(&study.campaign)?.variants;
-    print_summary(&summary, &study.campaign, verbosity)
+) -> Done {
+    let StoredStudy { campaign, .. } = variants::after_study(study, farm, verbosity)?;
+    summary.variants = summary_of(&campaign)?.variants;
+    if verbosity.json {
+        return print(&to_json(&summary)?);
+    }
+    let nominal = campaign.evaluation(0)?.and_then(|stored| stored.outcome.ok());
+    let cautions = nominal.map(|nominal| motion_cautions(&nominal.diagnostics)).unwrap_or_default();
+    let caution: String = cautions.iter().map(|caution| format!("caution: {}\n", caution.message)).collect();
+    print(&format!("{caution}{}", final_text(&summary, campaign.dir())))
 }
 
 /// Version and build of this program.
@@ -161,11 +166,10 @@ fn program() -> String {
 }
 
 /// Says on standard error what a study goes on from.
-fn say_what_is_done(study: &StoredStudy, extended: &Settings) -> Result<(), CommandError> {
+fn say_what_is_done(study: &StoredStudy, extended: &Settings) -> Done {
     print_message(format_args!("{} evaluations are done already", study.campaign.count()?));
     let legs = study.campaign.legs()?;
-    let begun = &study.campaign.meta().version;
-    let before = legs.iter().skip(1).last().map_or(begun, |leg| &leg.version);
+    let before = legs.iter().skip(1).last().map_or(&study.campaign.meta().version, |leg| &leg.version);
     let ours = program();
     if *before != ours {
         print_message(format_args!(
@@ -186,8 +190,7 @@ fn say_what_is_done(study: &StoredStudy, extended: &Settings) -> Result<(), Comm
 /// The command line of this process.
 fn command_line() -> String {
     // A name of a file need not be UTF-8.
-    let words = std::env::args_os().map(|word| word.to_string_lossy().into_owned());
-    words.collect::<Vec<_>>().join(" ")
+    std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect::<Vec<_>>().join(" ")
 }
 
 /// Runs a study to its end and writes its results.
@@ -197,7 +200,7 @@ fn finish(
     mut monitor: Monitor,
     farm: &FarmArguments,
     verbosity: Verbosity,
-) -> Result<(), CommandError> {
+) -> Done {
     evaluator.start_workers()?;
     let StoredStudy { campaign, source, settings } = &mut study;
     let scene = source.nominal();
@@ -234,7 +237,7 @@ fn finish(
 }
 
 /// Checks that the linkage can be assembled and turns at every end of the ranges of the design variables.
-fn check_designs(space: &DesignSpace) -> Result<(), CommandError> {
+fn check_designs(space: &DesignSpace) -> Done {
     for values in space.corners() {
         let design = space.source_at(&values)?;
         if design.nominal().simulator.is_none() {
@@ -250,23 +253,7 @@ fn free_folder(scene: &str) -> PathBuf {
     let name = format!("hingewise-{}", scene.chars().map(tame).collect::<String>());
     let free = |name: &str| !Path::new(name).exists();
     let numbered = (2_u32..).map(|n| format!("{name}-{n}"));
-    let found = std::iter::once(name.clone()).chain(numbered).find(|name| free(name));
-    PathBuf::from(found.unwrap_or(name))
-}
-
-/// Prints the summary, as text or JSON.
-fn print_summary(
-    summary: &StudySummary,
-    campaign: &CampaignFile,
-    verbosity: Verbosity,
-) -> Result<(), CommandError> {
-    if verbosity.json {
-        return print(&to_json(summary)?);
-    }
-    let nominal = campaign.evaluation(0)?.and_then(|stored| stored.outcome.ok());
-    let cautions = nominal.map(|nominal| motion_cautions(&nominal.diagnostics)).unwrap_or_default();
-    let caution: String = cautions.iter().map(|caution| format!("caution: {}\n", caution.message)).collect();
-    print(&format!("{caution}{}", final_text(summary, campaign.dir())))
+    PathBuf::from(std::iter::once(name.clone()).chain(numbered).find(|name| free(name)).unwrap_or(name))
 }
 
 /// One entry per output and checkpoint of the histories.
@@ -274,15 +261,9 @@ fn for_report(histories: &[OutputHistory]) -> Vec<CheckpointDistribution> {
     let all = histories.iter().flat_map(|history| {
         history.cycles.iter().zip(&history.at).map(|(cycles, at)| {
             let (edges, counts) = bins(&at.histogram);
-            CheckpointDistribution {
-                output: history.output.clone(),
-                cycles: *cycles,
-                mean: at.mean,
-                std: at.std,
-                edges,
-                counts,
-                quantiles: PROBABILITIES.iter().copied().zip(at.quantiles.iter().copied()).collect(),
-            }
+            let quantiles = PROBABILITIES.into_iter().zip(at.quantiles.iter().copied()).collect();
+            let (output, cycles, mean, std) = (history.output.clone(), *cycles, at.mean, at.std);
+            CheckpointDistribution { output, cycles, mean, std, edges, counts, quantiles }
         })
     });
     all.collect()

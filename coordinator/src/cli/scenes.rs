@@ -1,6 +1,6 @@
 //! `coordinator scenes`, and the check of a linkage that every command on a mechanism begins with.
 
-use super::{CommandError, print, to_json};
+use super::{CommandError, Done, print, to_json};
 use common::scene::{Faults, Scene, SceneSource};
 use serde_json::json;
 
@@ -8,7 +8,7 @@ use serde_json::json;
 ///
 /// # Errors
 /// [`CommandError::Scene`] for an unknown name.
-pub fn scenes(show: Option<&str>, as_json: bool) -> Result<(), CommandError> {
+pub fn scenes(show: Option<&str>, as_json: bool) -> Done {
     if let Some(name) = show {
         return print(SceneSource::builtin(name)?.text());
     }
@@ -16,13 +16,11 @@ pub fn scenes(show: Option<&str>, as_json: bool) -> Result<(), CommandError> {
         SceneSource::builtin_names().into_iter().map(SceneSource::builtin).collect::<Result<_, _>>()?;
     let list = sources.iter().map(SceneSource::nominal);
     if as_json {
-        let list: Vec<_> = list
-            .map(|scene| {
-                json!({ "name": scene.name, "title": scene.title, "variables": scene.variables.len(),
-                        "limit_states": scene.limit_states.iter().map(|l| &l.name).collect::<Vec<_>>() })
-            })
-            .collect();
-        return print(&to_json(&list)?);
+        let row = |scene: &Scene| {
+            json!({ "name": scene.name, "title": scene.title, "variables": scene.variables.len(),
+                    "limit_states": scene.limit_states.iter().map(|l| &l.name).collect::<Vec<_>>() })
+        };
+        return print(&to_json(&list.map(row).collect::<Vec<_>>())?);
     }
     let width = sources.iter().map(|source| source.nominal().name.len()).max().unwrap_or(0);
     print(&list.map(|scene| format!("{:width$}  {}\n", scene.name, scene.title)).collect::<String>())
@@ -33,7 +31,7 @@ pub fn scenes(show: Option<&str>, as_json: bool) -> Result<(), CommandError> {
 ///
 /// # Errors
 /// [`CommandError::BadInput`], or what the linkage does not allow.
-pub fn check_linkage(origin: &str, source: &SceneSource, scene: &Scene) -> Result<(), CommandError> {
+pub fn check_linkage(origin: &str, source: &SceneSource, scene: &Scene) -> Done {
     if scene.simulator.is_some() {
         return Err(CommandError::no_mechanism(origin));
     }

@@ -130,7 +130,7 @@ impl ReportTexts {
 pub struct FarmArguments {
     /// Local worker slots: a number, `auto` for one per core, 0 to use remote workers only [default: auto]
     #[arg(long, value_name = "auto|N", value_parser = slots)]
-    pub workers: Option<Slots>,
+    pub workers: Option<usize>,
     /// Address for remote workers [default: tcp/127.0.0.1:0, any free port, this machine only]
     #[arg(long, value_name = "ENDPOINT")]
     pub listen: Option<String>,
@@ -174,31 +174,32 @@ pub fn time(text: &str) -> Result<Duration, String> {
         _ => 0,
     };
     let seconds = number.trim().parse::<u64>().ok().and_then(|number| number.checked_mul(unit));
-    let seconds = seconds.filter(|seconds| *seconds > 0);
-    seconds
-        .map(Duration::from_secs)
-        .ok_or_else(|| "allowed: a time above zero, e.g. 60s, 10min or 1h".to_owned())
-}
-
-/// Number of local worker slots.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Slots {
-    /// One slot per core.
-    Auto,
-    /// A fixed number of slots.
-    Count(usize),
+    let time = seconds.filter(|seconds| *seconds > 0).map(Duration::from_secs);
+    time.ok_or_else(|| "allowed: a time above zero, e.g. 60s, 10min or 1h".to_owned())
 }
 
 /// Reads a value that is allowed; `allowed` says in words which are.
 ///
 /// # Errors
 /// The allowed values, in words.
-pub fn value<T: FromStr>(
-    text: &str,
-    allowed: &str,
-    is_allowed: impl FnOnce(&T) -> bool,
-) -> Result<T, String> {
-    text.trim().parse().ok().filter(is_allowed).ok_or_else(|| format!("allowed: {allowed}"))
+pub fn value<T: FromStr>(text: &str, allowed: &str, allows: impl FnOnce(&T) -> bool) -> Result<T, String> {
+    text.trim().parse().ok().filter(allows).ok_or_else(|| format!("allowed: {allowed}"))
+}
+
+/// Parser of a whole number within these bounds.
+pub fn within<T>(from: T, to: T) -> impl Fn(&str) -> Result<T, String> + Clone + Send + Sync + 'static
+where
+    T: FromStr + PartialOrd + Display + Copy + Send + Sync + 'static,
+{
+    move |text| value(text, &format!("a whole number from {from} to {to}"), |n| (from..=to).contains(n))
+}
+
+/// Reads a number above zero.
+///
+/// # Errors
+/// The allowed values, in words.
+pub fn above_zero(text: &str) -> Result<f64, String> {
+    value(text, "a number above 0", |x: &f64| *x > 0.0 && x.is_finite())
 }
 
 /// Reads a whole number above zero.
@@ -234,11 +235,8 @@ pub fn share(text: &str) -> Result<f64, String> {
         Some(percent) => (percent.trim_end(), 100.0),
         None => (text, 1.0),
     };
-    let share = number.parse::<f64>().map(|x| x / scale);
-    share
-        .ok()
-        .filter(|x| *x > 0.0 && *x <= 1.0)
-        .ok_or_else(|| "allowed: a share above 0 and up to 1, e.g. 1%, 0.5% or 0.01".to_owned())
+    let share = number.parse::<f64>().ok().map(|x| x / scale).filter(|x| *x > 0.0 && *x <= 1.0);
+    share.ok_or_else(|| "allowed: a share above 0 and up to 1, e.g. 1%, 0.5% or 0.01".to_owned())
 }
 
 /// Reads a reliability or a confidence: a share below 1 [1].
@@ -267,12 +265,15 @@ where
     PossibleValuesParser::new(names.collect::<Vec<_>>()).try_map(|name| parse_or_auto(&name))
 }
 
-fn slots(text: &str) -> Result<Slots, String> {
-    match (text, text.parse()) {
-        ("auto", _) => Ok(Slots::Auto),
-        (_, Ok(n)) if n <= MOST_SLOTS => Ok(Slots::Count(n)),
-        _ => Err(format!("allowed: auto, or a whole number from 0 to {MOST_SLOTS}")),
-    }
+/// Number of cores of this machine.
+pub fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// Reads a number of local worker slots; `auto` is one slot per core.
+fn slots(text: &str) -> Result<usize, String> {
+    let read = if text == "auto" { Some(cores()) } else { text.parse().ok().filter(|n| *n <= MOST_SLOTS) };
+    read.ok_or_else(|| format!("allowed: auto, or a whole number from 0 to {MOST_SLOTS}"))
 }
 
 #[cfg(test)]

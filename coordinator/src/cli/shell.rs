@@ -1,7 +1,7 @@
 //! `coordinator completions`, `coordinator man` and `coordinator schema`: the command line for shells and for `man`, files for editors.
 
 use super::command::{CommandLine, grouped};
-use super::{CommandError, print};
+use super::{CommandError, Done, print};
 use clap::CommandFactory;
 use clap_complete::Shell;
 use coordinator::results::result_files::{ResultFileError, create_folder};
@@ -14,7 +14,7 @@ const PROGRAM: &str = "coordinator";
 ///
 /// # Errors
 /// [`CommandError::Output`].
-pub fn completions(shell: Shell) -> Result<(), CommandError> {
+pub fn completions(shell: Shell) -> Done {
     let mut script = Vec::new();
     clap_complete::generate(shell, &mut CommandLine::command(), PROGRAM, &mut script);
     print(&String::from_utf8_lossy(&script))
@@ -24,12 +24,12 @@ pub fn completions(shell: Shell) -> Result<(), CommandError> {
 ///
 /// # Errors
 /// [`CommandError::ResultFile`] or [`CommandError::Output`].
-pub fn man(out: Option<&Path>) -> Result<(), CommandError> {
+pub fn man(out: Option<&Path>) -> Done {
     let mut whole = grouped();
     whole.build();
     if let Some(folder) = out {
         create_folder(folder)?;
-        let failed = |source| ResultFileError::Write { path: folder.to_path_buf(), source };
+        let failed = |source| ResultFileError::Write(folder.to_path_buf(), source);
         return Ok(clap_mangen::generate_to(whole, folder).map_err(failed)?);
     }
     let mut text = Vec::new();
@@ -47,7 +47,7 @@ const SUMMARY: &str = include_str!("../../schemas/summary.schema.json");
 ///
 /// # Errors
 /// [`CommandError::Output`].
-pub fn schema(results: bool) -> Result<(), CommandError> {
+pub fn schema(results: bool) -> Done {
     print(if results { SUMMARY } else { SCENE })
 }
 

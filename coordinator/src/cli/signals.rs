@@ -1,7 +1,7 @@
 //! Ctrl-C and SIGTERM stop a study after saving what is done. A second signal ends the process at once; nothing is lost,
 //! since every outcome is recorded when it arrives.
 
-use super::error::{CommandError, INTERRUPTED};
+use super::error::{CommandError, Done, INTERRUPTED};
 use coordinator::presentation::terminal::print_message;
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,7 +12,7 @@ use tokio::signal::unix::{SignalKind, signal};
 ///
 /// # Errors
 /// The error of the operating system if it refuses a handler or a thread.
-pub fn interruption() -> Result<Arc<AtomicBool>, CommandError> {
+pub fn interruption() -> Done<Arc<AtomicBool>> {
     watch_signals().map_err(|error| CommandError::Failed(format!("signals: {error}")))
 }
 

@@ -4,7 +4,7 @@ use super::evaluation_json::{of_mechanism, of_outputs};
 use super::external;
 use super::output::{check_destination, deliver, file_of};
 use super::{
-    AccuracyArguments, CommandError, DEFAULT_SCENE, Verbosity, check_linkage, count, print, to_json,
+    AccuracyArguments, CommandError, DEFAULT_SCENE, Done, Verbosity, check_linkage, count, print, to_json,
 };
 use clap::Args;
 use common::outputs::{Evaluation, NarrowGroove};
@@ -44,7 +44,7 @@ pub struct SimulateArguments {
 ///
 /// # Errors
 /// [`CommandError`].
-pub fn simulate(arguments: &SimulateArguments, verbosity: Verbosity) -> Result<(), CommandError> {
+pub fn simulate(arguments: &SimulateArguments, verbosity: Verbosity) -> Done {
     let out = arguments.out.as_deref().map(|out| file_of(out, "simulate.json")).transpose()?;
     check_destination(arguments.report.as_deref())?;
     let source = SceneSource::load(&arguments.scene)?;
@@ -54,8 +54,7 @@ pub fn simulate(arguments: &SimulateArguments, verbosity: Verbosity) -> Result<(
         if arguments.report.is_some() {
             return Err(CommandError::no_mechanism(source.origin()));
         }
-        let text = external::simulate(&source, &settings)?;
-        return deliver(&text, out.as_deref());
+        return deliver(&external::simulate(&source, &settings)?, out.as_deref());
     }
     let scene = source.resolve_with(&settings).map_err(one_of_each_cause)?;
     check_linkage(source.origin(), &source, &scene)?;
@@ -157,12 +156,8 @@ impl Simulated<'_> {
     fn work(&self) -> String {
         let cycles = self.evaluation.cycles.last().copied().unwrap_or_default();
         let steps = count(self.evaluation.diagnostics.steps as usize, "step");
-        format!(
-            "{} cycles, accuracy {}, {steps} in {}",
-            grouped(cycles.into()),
-            self.accuracy,
-            duration(self.wall)
-        )
+        let (cycles, took) = (grouped(cycles.into()), duration(self.wall));
+        format!("{cycles} cycles, accuracy {}, {steps} in {took}", self.accuracy)
     }
 }
 

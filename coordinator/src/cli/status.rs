@@ -1,7 +1,7 @@
 //! `coordinator status`: the progress of a running study.
 
 use super::stored_study::END_DOCUMENT;
-use super::{CommandError, count, print, to_json};
+use super::{Done, count, print, to_json};
 use clap::Args;
 use common::wire::{Phase, Status};
 use coordinator::farm::dispatch::{ClientError, ClientSession};
@@ -48,8 +48,8 @@ pub struct StatusArguments {
 /// Runs the command.
 ///
 /// # Errors
-/// [`CommandError::Client`] if the coordinator does not answer.
-pub fn status(arguments: &StatusArguments, as_json: bool) -> Result<(), CommandError> {
+/// [`super::CommandError::Client`] if the coordinator does not answer.
+pub fn status(arguments: &StatusArguments, as_json: bool) -> Done {
     let dir = Path::new(&arguments.endpoint);
     if dir.is_dir() {
         return stored_status(dir, as_json);
@@ -57,10 +57,10 @@ pub fn status(arguments: &StatusArguments, as_json: bool) -> Result<(), CommandE
     let begun = Instant::now();
     let session = ClientSession::open(&arguments.endpoint, arguments.config.as_deref());
     let session = session.map_err(|error| match explained(error, begun) {
-        ClientError::Endpoint { endpoint, reason } => ClientError::Endpoint {
+        ClientError::Endpoint(endpoint, reason) => ClientError::Endpoint(
             endpoint,
-            reason: format!("there is no such folder, and as an address it is {reason}"),
-        },
+            format!("there is no such folder, and as an address it is {reason}"),
+        ),
         other => other,
     })?;
     let mut shown = session.status(PATIENCE)?;
@@ -76,21 +76,21 @@ pub fn status(arguments: &StatusArguments, as_json: bool) -> Result<(), CommandE
         match session.status(PATIENCE) {
             Ok(status) => shown = status,
             // The study was ending.
-            Err(ClientError::Silent { .. }) if shown.phase == Phase::Ending => return Ok(()),
+            Err(ClientError::Silent(..)) if shown.phase == Phase::Ending => return Ok(()),
             Err(error) => return Err(error.into()),
         }
     }
 }
 
-fn text(status: &Status, as_json: bool) -> Result<String, CommandError> {
+fn text(status: &Status, as_json: bool) -> Done<String> {
     if as_json { to_json(status) } else { Ok(status_text(status)) }
 }
 
 /// Adds the likely cause to the error of a failed connection.
 pub fn explained(error: ClientError, since: Instant) -> ClientError {
     match error {
-        ClientError::Unreachable { endpoint, reason } => {
-            ClientError::Unreachable { endpoint, reason: refusal::explain(&reason, since) }
+        ClientError::Unreachable(endpoint, reason) => {
+            ClientError::Unreachable(endpoint, refusal::explain(&reason, since))
         }
         other => other,
     }
@@ -99,8 +99,8 @@ pub fn explained(error: ClientError, since: Instant) -> ClientError {
 /// Prints the state of the study in a folder.
 ///
 /// # Errors
-/// [`CommandError::Store`].
-fn stored_status(dir: &Path, as_json: bool) -> Result<(), CommandError> {
+/// [`super::CommandError::Store`].
+fn stored_status(dir: &Path, as_json: bool) -> Done {
     let campaign = CampaignFile::look(dir)?;
     let reason: Option<String> = campaign.document(END_DOCUMENT)?;
     let is_finished = campaign.document::<serde_json::Value>(SUMMARY_DOCUMENT)?.is_some();

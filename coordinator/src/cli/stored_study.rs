@@ -1,7 +1,7 @@
 //! A study in its folder, finished or not, with its scene, settings and evaluations; and a finished one that answers questions, with
 //! workers for the simulations that a question needs.
 
-use super::{CommandError, CommandEvaluator, FarmArguments};
+use super::{CommandError, CommandEvaluator, Done, FarmArguments};
 use common::scene::{Scene, SceneSource};
 use coordinator::analyses::designs::{DESIGNS_DOCUMENT, DesignSpace, StoredSpace};
 use coordinator::analyses::learn::{fitted_reliability, uncertain_fits};
@@ -35,7 +35,7 @@ impl StoredStudy {
     ///
     /// # Errors
     /// [`CommandError::Store`] or [`CommandError::BadInput`].
-    pub fn look(dir: &Path) -> Result<Self, CommandError> {
+    pub fn look(dir: &Path) -> Done<Self> {
         Self::read(CampaignFile::look(dir)?)
     }
 
@@ -43,7 +43,7 @@ impl StoredStudy {
     ///
     /// # Errors
     /// [`CommandError::BadInput`].
-    pub fn read(campaign: CampaignFile) -> Result<Self, CommandError> {
+    pub fn read(campaign: CampaignFile) -> Done<Self> {
         let source = scene_of(&campaign)?;
         let settings = Settings::from_stored(&campaign.meta().settings).map_err(|error| {
             foreign(&campaign, &format!("the settings of this study cannot be read: {error}"))
@@ -72,7 +72,7 @@ pub fn not_finished(campaign: &CampaignFile) -> CommandError {
 ///
 /// # Errors
 /// [`CommandError::Store`] or [`CommandError::BadInput`].
-pub fn summary_of(campaign: &CampaignFile) -> Result<StudySummary, CommandError> {
+pub fn summary_of(campaign: &CampaignFile) -> Done<StudySummary> {
     campaign.document(SUMMARY_DOCUMENT)?.ok_or_else(|| not_finished(campaign))
 }
 
@@ -80,7 +80,7 @@ pub fn summary_of(campaign: &CampaignFile) -> Result<StudySummary, CommandError>
 ///
 /// # Errors
 /// [`CommandError::BadInput`].
-pub fn scene_of(campaign: &CampaignFile) -> Result<SceneSource, CommandError> {
+pub fn scene_of(campaign: &CampaignFile) -> Done<SceneSource> {
     SceneSource::parse(&campaign.meta().scene_source, &origin(campaign))
         .map_err(|faults| foreign(campaign, &format!("the scene of this study is not accepted:\n{faults}")))
 }
@@ -102,7 +102,7 @@ fn origin(campaign: &CampaignFile) -> String {
 ///
 /// # Errors
 /// [`CommandError::Store`].
-pub fn design_keys(campaign: &CampaignFile) -> Result<Vec<String>, CommandError> {
+pub fn design_keys(campaign: &CampaignFile) -> Done<Vec<String>> {
     let stored = campaign.document::<StoredSpace>(DESIGNS_DOCUMENT)?;
     Ok(stored.map_or(vec![], |stored| stored.variables.into_iter().map(|variable| variable.key).collect()))
 }
@@ -127,7 +127,7 @@ impl OpenedStudy {
     ///
     /// # Errors
     /// [`CommandError::Store`] or [`CommandError::BadInput`].
-    pub fn open(dir: &Path, simulates: bool) -> Result<Self, CommandError> {
+    pub fn open(dir: &Path, simulates: bool) -> Done<Self> {
         let campaign = if simulates { CampaignFile::open(dir)? } else { CampaignFile::look(dir)? };
         Self::of(StoredStudy::read(campaign)?)
     }
@@ -136,7 +136,7 @@ impl OpenedStudy {
     ///
     /// # Errors
     /// [`CommandError::Store`] or [`CommandError::BadInput`].
-    pub fn of(study: StoredStudy) -> Result<Self, CommandError> {
+    pub fn of(study: StoredStudy) -> Done<Self> {
         let summary = summary_of(&study.campaign)?;
         let origin = study.campaign.dir().display().to_string();
         let space = study.campaign.document::<StoredSpace>(DESIGNS_DOCUMENT)?;
@@ -156,7 +156,7 @@ impl OpenedStudy {
     ///
     /// # Errors
     /// [`CommandError::Scene`].
-    pub fn present(&self) -> Result<SceneSource, CommandError> {
+    pub fn present(&self) -> Done<SceneSource> {
         Ok(match &self.space {
             None => self.study.source.clone(),
             Some(space) => space.present(&[])?.0,
@@ -167,7 +167,7 @@ impl OpenedStudy {
     ///
     /// # Errors
     /// [`CommandError::Store`].
-    pub fn outcomes(&self) -> Result<Vec<StoredOutcome>, CommandError> {
+    pub fn outcomes(&self) -> Done<Vec<StoredOutcome>> {
         Ok(known_outcomes(&self.study.campaign, self.study.scene())?)
     }
 
@@ -175,7 +175,7 @@ impl OpenedStudy {
     ///
     /// # Errors
     /// [`CommandError::Study`].
-    pub fn ask(&self, base: &SceneSource, changed: &SceneSource) -> Result<WhatIf, CommandError> {
+    pub fn ask(&self, base: &SceneSource, changed: &SceneSource) -> Done<WhatIf> {
         let finished = FinishedStudy {
             scene: base.nominal(),
             simulated: self.study.scene(),
@@ -190,11 +190,7 @@ impl OpenedStudy {
     ///
     /// # Errors
     /// [`CommandError::Study`], or [`CommandError::BadInput`] without such a variable.
-    pub fn confident(
-        &self,
-        changed: &SceneSource,
-        confidence: f64,
-    ) -> Result<ConfidentReliability, CommandError> {
+    pub fn confident(&self, changed: &SceneSource, confidence: f64) -> Done<ConfidentReliability> {
         let (dir, scene) = (self.study.campaign.dir(), changed.nominal());
         let learned = learn_from_results(scene, self.study.scene(), &self.settings, &self.outcomes()?)
             .map_err(|error| failed(error, dir))?;
@@ -218,7 +214,7 @@ impl OpenedStudy {
     ///
     /// # Errors
     /// [`CommandError`].
-    pub fn evaluator(&self, farm: &FarmArguments, quiet: bool) -> Result<CommandEvaluator, CommandError> {
+    pub fn evaluator(&self, farm: &FarmArguments, quiet: bool) -> Done<CommandEvaluator> {
         // Samples and accuracy determine what is simulated, so the workers receive the scene of the study.
         CommandEvaluator::started(&self.study.source, &self.settings, farm, quiet)
     }
@@ -233,7 +229,7 @@ impl OpenedStudy {
         further: usize,
         evaluator: &mut CommandEvaluator,
         quiet: bool,
-    ) -> Result<usize, CommandError> {
+    ) -> Done<usize> {
         let stored = &self.outcomes()?;
         let correction = stored_correction(&self.study.campaign, self.study.scene())?;
         let StoredStudy { campaign, source, .. } = &mut self.study;
@@ -241,7 +237,7 @@ impl OpenedStudy {
         let correction = correction.as_ref();
         let learning = FurtherLearning { correction, changed, studied, settings, stored, further };
         let mut terminal = Terminal::new(quiet);
-        let journal = &mut FurtherEvaluations::of(campaign);
+        let journal = &mut FurtherEvaluations(campaign);
         let learned = learning.learn(evaluator.evaluator(), journal, &mut terminal);
         terminal.finish();
         learned.map_err(|error| failed(error, self.study.campaign.dir()))?;
@@ -252,7 +248,7 @@ impl OpenedStudy {
     ///
     /// # Errors
     /// [`CommandError::BadInput`] without surrogates, or the error of the campaign file or the surrogates.
-    pub fn life_model(&self) -> Result<LifeModel, CommandError> {
+    pub fn life_model(&self) -> Done<LifeModel> {
         let StoredStudy { campaign, settings, .. } = &self.study;
         let (dir, scene) = (campaign.dir(), self.study.scene());
         if !settings.method.learns() {
@@ -285,24 +281,16 @@ pub fn stored_correction(campaign: &CampaignFile, scene: &Scene) -> Result<Optio
     Ok(Correction::from_stored(scene, &as_simulated(campaign)?, &finer))
 }
 
-/// Outcomes of a study, corrected where its pairs allow it.
-fn corrected(
-    campaign: &CampaignFile,
-    scene: &Scene,
-    outcomes: Vec<StoredOutcome>,
-) -> Result<Vec<StoredOutcome>, StoreError> {
-    Ok(match stored_correction(campaign, scene)? {
-        Some(correction) => correction.correct_all(outcomes),
-        None => outcomes,
-    })
-}
-
 /// Sample and outcome of every simulation at the working accuracy that a campaign file holds, corrected by its pairs.
 ///
 /// # Errors
 /// [`StoreError`].
 pub fn known_outcomes(campaign: &CampaignFile, scene: &Scene) -> Result<Vec<StoredOutcome>, StoreError> {
-    corrected(campaign, scene, as_simulated(campaign)?)
+    let outcomes = as_simulated(campaign)?;
+    Ok(match stored_correction(campaign, scene)? {
+        Some(correction) => correction.correct_all(outcomes),
+        None => outcomes,
+    })
 }
 
 /// Outcomes at the working accuracy as they were simulated, without correction.

@@ -112,13 +112,12 @@ impl ExtensionArguments {
             replace(&mut extended.max_evaluations, self.max_evaluations);
             extended.target_error = self.target_error.or(extended.target_error);
         } else {
-            let allowed =
-                || format!("no learning with --method {}; extend it by --samples", settings.method.name());
-            if let Some(budget) = self.max_evaluations {
-                return refuse("max_evaluations", budget.to_string(), allowed());
-            }
-            if let Some(error) = self.target_error {
-                return refuse("target_error", error.to_string(), allowed());
+            let budget = self.max_evaluations.map(|budget| ("max_evaluations", budget.to_string()));
+            let error = self.target_error.map(|error| ("target_error", error.to_string()));
+            if let Some((key, value)) = budget.or(error) {
+                let method = settings.method.name();
+                let allowed = format!("no learning with --method {method}; extend it by --samples");
+                return refuse(key, value, allowed);
             }
         }
         let present = settings.population();
@@ -219,11 +218,8 @@ impl RunArguments {
 
     /// Options on the accuracy of the surrogates' evaluations: those given, or the first of the levels.
     pub fn working_accuracy(&self) -> AccuracyArguments {
-        let first = self.levels.first().cloned();
-        AccuracyArguments {
-            accuracy: first.or_else(|| self.accuracy.accuracy.clone()),
-            ..self.accuracy.clone()
-        }
+        let accuracy = self.levels.first().or(self.accuracy.accuracy.as_ref()).cloned();
+        AccuracyArguments { accuracy, ..self.accuracy }
     }
 
     /// Settings of a study of `scene`: its defaults, changed by the options. An accuracy for an error budget is still

@@ -1,6 +1,7 @@
 //! `coordinator test-plan`: units and cycles of a test that demonstrates a reliability.
 
-use super::{CommandError, Destination, StoredStudy, answer_with, probability, summary_of, value};
+use super::shared::{above_zero, within};
+use super::{CommandError, Destination, Done, StoredStudy, answer_with, probability, summary_of};
 use clap::Args;
 use coordinator::analyses::test_plan::{TestPlanQuestion, answer, plan};
 use std::path::PathBuf;
@@ -30,19 +31,19 @@ pub struct TestPlanArguments {
     #[arg(long, value_name = "C", default_value = "90%", value_parser = probability)]
     pub confidence: f64,
     /// Plans with up to this many failures
-    #[arg(long, value_name = "N", default_value = "2", value_parser = failures)]
+    #[arg(long, value_name = "N", default_value = "2", value_parser = within(0, 20))]
     pub allowed: u64,
     /// Lengths of the test, several with commas [default: the life; with a shape 0.5, 1, 1.5 and 2 lives]
     #[arg(long, value_name = "CYCLES,...", value_delimiter = ',', value_parser = above_zero, conflicts_with = "units")]
     pub length: Vec<f64>,
     /// Seek the length of the test for this number of units
-    #[arg(long, value_name = "N", value_parser = many)]
+    #[arg(long, value_name = "N", value_parser = within(1, 1_000_000))]
     pub units: Option<u64>,
     /// Weibull shape of the lives [default: that of the study]
     #[arg(long, value_name = "B", value_parser = above_zero)]
     pub shape: Option<f64>,
     /// Sudden death too: groups of N units, each up to its first failure
-    #[arg(long, value_name = "N", value_parser = many)]
+    #[arg(long, value_name = "N", value_parser = within(1, 1_000_000))]
     pub group: Option<u64>,
     /// Inspect every N cycles: state the mean length of a test that ends with too many failures
     #[arg(long, value_name = "CYCLES", value_parser = above_zero)]
@@ -58,23 +59,11 @@ pub struct TestPlanArguments {
     pub out: Option<Destination>,
 }
 
-fn above_zero(text: &str) -> Result<f64, String> {
-    value(text, "a number above 0", |x: &f64| *x > 0.0 && x.is_finite())
-}
-
-fn failures(text: &str) -> Result<u64, String> {
-    value(text, "a whole number from 0 to 20", |n| *n <= 20)
-}
-
-fn many(text: &str) -> Result<u64, String> {
-    value(text, "a whole number from 1 to 1000000", |n| (1..=1_000_000).contains(n))
-}
-
 /// Runs the command.
 ///
 /// # Errors
 /// [`CommandError`].
-pub fn test_plan(arguments: &TestPlanArguments, as_json: bool) -> Result<(), CommandError> {
+pub fn test_plan(arguments: &TestPlanArguments, as_json: bool) -> Done {
     let summary =
         arguments.dir.as_ref().map(|dir| summary_of(&StoredStudy::look(dir)?.campaign)).transpose()?;
     let question = TestPlanQuestion {

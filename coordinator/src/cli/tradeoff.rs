@@ -1,7 +1,7 @@
 //! `coordinator tradeoff`: time against error of the accuracy settings of a scene, with the workers of a study.
 
 use super::{
-    CommandError, DEFAULT_SCENE, FarmArguments, SetArguments, Verbosity, WorkerFarm, check_linkage,
+    CommandError, DEFAULT_SCENE, Done, FarmArguments, SetArguments, Verbosity, WorkerFarm, check_linkage,
     load_with, of_mechanism, positive, print,
 };
 use clap::{Args, ValueEnum};
@@ -51,7 +51,7 @@ pub struct TradeoffArguments {
 ///
 /// # Errors
 /// [`CommandError`].
-pub fn tradeoff(arguments: &TradeoffArguments, verbosity: Verbosity) -> Result<(), CommandError> {
+pub fn tradeoff(arguments: &TradeoffArguments, verbosity: Verbosity) -> Done {
     let source = load_with(&arguments.scene, &arguments.set.set)?;
     let scene = source.nominal();
     check_linkage(source.origin(), &source, scene)?;
@@ -71,8 +71,7 @@ pub fn tradeoff(arguments: &TradeoffArguments, verbosity: Verbosity) -> Result<(
     // What is complete is written even if the rest is missing.
     if measurement.points > 0 {
         let rows = compare(scene, &plan.settings, &measurement);
-        let reference = reference_row(scene, &measurement);
-        let answer = answer(scene, &rows, &reference, measurement.points);
+        let answer = answer(scene, &rows, &reference_row(scene, &measurement), measurement.points);
         if let Some(folder) = &arguments.out {
             let values = values_csv(scene, &plan.settings, &measurement);
             write_text(&folder.join("values.csv"), &values)?;

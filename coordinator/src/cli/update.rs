@@ -1,6 +1,7 @@
 //! `coordinator update`: reliability and remaining life of single units from what was measured of them.
 
-use super::{CommandError, Destination, OpenedStudy, answer_with, value};
+use super::shared::within;
+use super::{Destination, Done, OpenedStudy, answer_with};
 use clap::Args;
 use coordinator::analyses::update::{FleetSettings, answer, read_fleet, update as update_fleet};
 use std::path::PathBuf;
@@ -32,10 +33,10 @@ pub struct UpdateArguments {
     #[arg(long, value_name = "FILE.csv")]
     pub measured: PathBuf,
     /// Points of the population that are weighted; an effective sample size below a fortieth of it starts sequential Monte Carlo
-    #[arg(long, value_name = "N", default_value = "20000", value_parser = many)]
+    #[arg(long, value_name = "N", default_value = "20000", value_parser = within(LEAST, 1_000_000))]
     pub points: usize,
     /// Particles of sequential Monte Carlo
-    #[arg(long, value_name = "N", default_value = "2000", value_parser = many)]
+    #[arg(long, value_name = "N", default_value = "2000", value_parser = within(LEAST, 1_000_000))]
     pub particles: usize,
     /// Write update.html, update.md, update.json, units.csv and figures/ to this folder, created if missing
     #[arg(long, value_name = "DIR")]
@@ -47,16 +48,11 @@ const LEAST: usize = 500;
 /// Share of the points that the effective sample size must keep [1].
 const KEPT: f64 = 0.025;
 
-/// Reads a number of points.
-fn many(text: &str) -> Result<usize, String> {
-    value(text, &format!("a whole number from {LEAST} to 1000000"), |n| (LEAST..=1_000_000).contains(n))
-}
-
 /// Runs the command.
 ///
 /// # Errors
-/// [`CommandError`].
-pub fn update(arguments: &UpdateArguments, as_json: bool) -> Result<(), CommandError> {
+/// [`super::CommandError`].
+pub fn update(arguments: &UpdateArguments, as_json: bool) -> Done {
     let opened = OpenedStudy::open(&arguments.dir, false)?;
     let model = opened.life_model()?;
     let OpenedStudy { study, summary, .. } = &opened;

@@ -2,7 +2,7 @@
 
 use super::results::write_results;
 use super::{
-    CommandError, CommandEvaluator, FarmArguments, OpenedStudy, StoredStudy, Verbosity, failed,
+    CommandError, CommandEvaluator, Done, FarmArguments, OpenedStudy, StoredStudy, Verbosity, failed,
     known_outcomes, stored_correction,
 };
 use common::scene::{InputFile, SceneSource};
@@ -22,7 +22,7 @@ pub fn variants_of(
     source: &SceneSource,
     method: Method,
     has_designs: bool,
-) -> Result<Vec<ModelVariant>, CommandError> {
+) -> Done<Vec<ModelVariant>> {
     let refused =
         |fault: &str| Err(CommandError::refused(format_args!("--variants {}", file.display()), fault));
     if has_designs {
@@ -38,7 +38,7 @@ pub fn variants_of(
 ///
 /// # Errors
 /// [`CommandError::Store`].
-pub fn store_variants(study: &mut StoredStudy, variants: &[ModelVariant]) -> Result<(), CommandError> {
+pub fn store_variants(study: &mut StoredStudy, variants: &[ModelVariant]) -> Done {
     let known = study.campaign.document(VARIANTS_DOCUMENT)?.unwrap_or_default();
     Ok(study.campaign.put_document(VARIANTS_DOCUMENT, &ModelVariant::merged(known, variants))?)
 }
@@ -47,11 +47,7 @@ pub fn store_variants(study: &mut StoredStudy, variants: &[ModelVariant]) -> Res
 ///
 /// # Errors
 /// [`CommandError`]; finished simulations are in the study by then.
-pub fn after_study(
-    study: StoredStudy,
-    farm: &FarmArguments,
-    verbosity: Verbosity,
-) -> Result<StoredStudy, CommandError> {
+pub fn after_study(study: StoredStudy, farm: &FarmArguments, verbosity: Verbosity) -> Done<StoredStudy> {
     let known: Vec<ModelVariant> = study.campaign.document(VARIANTS_DOCUMENT)?.unwrap_or_default();
     let asked: Vec<ModelVariant> = known.into_iter().filter(|variant| variant.is_asked).collect();
     if asked.is_empty() {
@@ -78,7 +74,7 @@ pub fn after_study(
         let mut settings: Settings = opened.settings.clone();
         settings.accuracy.setting = variant.accuracy.clone().unwrap_or(settings.accuracy.setting);
         let mut evaluator = CommandEvaluator::started(&source, &settings, farm, verbosity.quiet)?;
-        let mut journal = FurtherEvaluations::of(&mut opened.study.campaign);
+        let mut journal = FurtherEvaluations(&mut opened.study.campaign);
         let found = of_variants.learn(source.nominal(), variant.level, evaluator.evaluator(), &mut journal);
         let found = found.map_err(|error| CommandError::of_study(error, &dir))?;
         evaluator.close();

@@ -1,6 +1,6 @@
 //! `coordinator weibull`: the Weibull distribution of lives of a population, beside the reliability of a study.
 
-use super::{CommandError, Destination, StoredStudy, answer_with, probability, summary_of};
+use super::{CommandError, Destination, Done, StoredStudy, answer_with, probability, summary_of};
 use clap::Args;
 use coordinator::analyses::weibull::{LifeQuestion, WeibullReport, answer, json, read_lives};
 use std::path::PathBuf;
@@ -48,7 +48,7 @@ pub struct WeibullArguments {
 ///
 /// # Errors
 /// [`CommandError`].
-pub fn weibull(arguments: &WeibullArguments, as_json: bool) -> Result<(), CommandError> {
+pub fn weibull(arguments: &WeibullArguments, as_json: bool) -> Done {
     let WeibullArguments { file, study, mode, reliability, confidence, out } = arguments;
     let summary = study.as_ref().map(|dir| summary_of(&StoredStudy::look(dir)?.campaign)).transpose()?;
     let end = summary.as_ref().and_then(|summary| summary.reliability.last());

@@ -2,7 +2,9 @@
 //! simulations that it has, and with further ones where the answer needs them.
 
 use super::learn::confidence as confidence_level;
-use super::{CommandError, Destination, FarmArguments, OpenedStudy, Verbosity, answer_with, positive, share};
+use super::{
+    CommandError, Destination, Done, FarmArguments, OpenedStudy, Verbosity, answer_with, positive, share,
+};
 use clap::Args;
 use coordinator::analyses::learn::{confident_figure, confident_tables};
 use coordinator::analyses::what_if::{answer, changed_scene, json, redistributed};
@@ -57,7 +59,7 @@ pub struct WhatIfArguments {
 ///
 /// # Errors
 /// [`CommandError`].
-pub fn what_if(arguments: &WhatIfArguments, verbosity: Verbosity) -> Result<(), CommandError> {
+pub fn what_if(arguments: &WhatIfArguments, verbosity: Verbosity) -> Done {
     let WhatIfArguments { dir, set, refine, target_error, confidence, samples, out, farm } = arguments;
     let refines = refine.is_some() || target_error.is_some();
     let mut opened = OpenedStudy::open(dir, refines)?;
@@ -98,8 +100,7 @@ pub fn what_if(arguments: &WhatIfArguments, verbosity: Verbosity) -> Result<(), 
     if let Some(confidence) = confidence {
         let confident = opened.confident(&changed, *confidence)?;
         let end = f64::from(changed.nominal().life.cycles);
-        let tables = confident_tables(&confident, end).map(AnswerPart::Table);
-        answer.parts.splice(1..1, tables);
+        answer.parts.splice(1..1, confident_tables(&confident, end).map(AnswerPart::Table));
         answer.figures.push(confident_figure(&confident, &found.after.reliability, end));
         as_json["confident"] = serde_json::to_value(&confident)?;
     }

@@ -9,14 +9,9 @@ pub const UNKNOWN: &str = "–";
 /// A count with its thousands apart, e.g. `64 000`.
 pub fn count(value: u64) -> String {
     let digits = value.to_string();
-    let mut text = String::new();
-    for (k, digit) in digits.chars().enumerate() {
-        if k > 0 && (digits.len() - k).is_multiple_of(3) {
-            text.push('\u{a0}');
-        }
-        text.push(digit);
-    }
-    text
+    let is_apart = |k: usize| k > 0 && (digits.len() - k).is_multiple_of(3);
+    let with_space = |(k, digit): (usize, char)| is_apart(k).then_some('\u{a0}').into_iter().chain([digit]);
+    digits.chars().enumerate().flat_map(with_space).collect()
 }
 
 /// A number of cycles with its unit, e.g. `64 000 cycles`, `1 cycle`.
@@ -74,19 +69,18 @@ pub fn reliability(r: f64, lower: f64, upper: f64) -> String {
         let step = 10f64.powi(-decimals);
         ((distance / step - 1e-9).ceil() * step, decimals as usize)
     };
+    // More than six nines are not read but counted.
+    const COUNTED: f64 = 1e-6;
     if r >= 1.0 && lower < 1.0 {
-        let (distance, decimals) = limit(1.0 - lower);
-        // More than six nines are not read but counted.
-        if distance < 1e-6 {
-            return format!("> 1 \u{2212} {}", power(distance, 1));
+        match limit(1.0 - lower) {
+            (distance, _) if distance < COUNTED => format!("> 1 \u{2212} {}", power(distance, 1)),
+            (distance, decimals) => format!("> {}", fixed(1.0 - distance, decimals)),
         }
-        format!("> {}", fixed(1.0 - distance, decimals))
     } else if r <= 0.0 && upper > 0.0 {
-        let (distance, decimals) = limit(upper);
-        if distance < 1e-6 {
-            return format!("< {}", power(distance, 1));
+        match limit(upper) {
+            (distance, _) if distance < COUNTED => format!("< {}", power(distance, 1)),
+            (distance, decimals) => format!("< {}", fixed(distance, decimals)),
         }
-        format!("< {}", fixed(distance, decimals))
     } else {
         share(r, lower, upper)
     }
@@ -132,21 +126,34 @@ pub fn power(value: f64, decimals: usize) -> String {
 
 /// A number with three significant digits, in powers of ten where it is far from one.
 pub fn three_digits(value: f64) -> String {
-    let size = value.abs();
-    if !value.is_finite() {
-        UNKNOWN.to_string()
-    } else if value == 0.0 {
-        "0".to_string()
-    } else if (1e-3..1e5).contains(&size) {
-        fixed(value, (2 - size.log10().floor() as i32).max(0) as usize)
-    } else {
-        power(value, 2)
+    match value.abs() {
+        size if !size.is_finite() => UNKNOWN.to_string(),
+        0.0 => "0".to_string(),
+        size if (1e-3..1e5).contains(&size) => {
+            fixed(value, (2 - size.log10().floor() as i32).max(0) as usize)
+        }
+        _ => power(value, 2),
     }
 }
 
 /// A value [SI] in the unit that people read, with three significant digits.
 pub fn with_unit(unit: &OutputUnit, value: f64) -> String {
     unit.after(&three_digits(unit.to_shown(value)))
+}
+
+/// A value [SI] in the unit that people read, with seven digits.
+pub fn exactly_with_unit(unit: &OutputUnit, value: f64) -> String {
+    unit.after(&seven_digits(unit.to_shown(value)))
+}
+
+/// A value [SI] in the unit that people read, with this many decimals.
+pub fn fixed_with_unit(unit: &OutputUnit, value: f64, decimals: usize) -> String {
+    unit.after(&fixed(unit.to_shown(value), decimals))
+}
+
+/// Texts with a separator between them.
+pub fn joined(texts: impl IntoIterator<Item = String>, separator: &str) -> String {
+    texts.into_iter().collect::<Vec<_>>().join(separator)
 }
 
 /// SI value of one unit; 1 of a unit that is not known.
@@ -250,11 +257,8 @@ pub fn in_columns(rows: &[Vec<String>], to_the_left: &[usize]) -> String {
         let cells = row.iter().zip(&widths).enumerate().map(|(k, (cell, width))| {
             let space = " ".repeat(width - length(cell));
             let gap = if k == 0 { "" } else { "  " };
-            if to_the_left.contains(&k) {
-                format!("{gap}{cell}{space}")
-            } else {
-                format!("{gap}{space}{cell}")
-            }
+            let (before, after) = if to_the_left.contains(&k) { ("", &*space) } else { (&*space, "") };
+            format!("{gap}{before}{cell}{after}")
         });
         format!("{}\n", cells.collect::<String>().trim_end())
     };

@@ -102,14 +102,10 @@ pub fn control_points_notes(rows: &[ControlPointsRow]) -> Vec<String> {
 }
 
 fn note(row: &ControlPointsRow) -> Option<String> {
-    let ControlPointsRow { output, unit, value, with_twice, with_four_times, .. } = row;
-    let [cycles, own, twice, four_times, error] = [
-        count(row.cycles.into()),
-        three_digits(*value),
-        three_digits(*with_twice),
-        three_digits(*with_four_times),
-        three_digits(row.error),
-    ];
+    let ControlPointsRow { output, unit, value, with_twice, with_four_times, error, .. } = row;
+    let cycles = count(row.cycles.into());
+    let [own, twice, four_times, of_points] =
+        [value, with_twice, with_four_times, error].map(|value| three_digits(*value));
     let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
     let values = format!(
         "after {cycles} cycles of the nominal mechanism it is {own}{unit}, and {twice} and {four_times}{unit} on surfaces with twice and four times \
@@ -119,9 +115,9 @@ fn note(row: &ControlPointsRow) -> Option<String> {
         format!(
             "the stated errors of {output} leave out the number of control points, which this scene declares a part of its model: {values}"
         )
-    } else if !row.converges && row.error > NOTABLE * value.abs() {
+    } else if !row.converges && *error > NOTABLE * value.abs() {
         format!(
-            "{output} does not converge with the number of control points: {values}; its stated error contains {error}{unit} for that, which no \
+            "{output} does not converge with the number of control points: {values}; its stated error contains {of_points}{unit} for that, which no \
              accuracy lessens: compare with another contact_law"
         )
     } else {

@@ -1,6 +1,6 @@
 //! One mechanism against the limits of its scene: value at the end of life, limit, margin and expected life, per limit state.
 
-use crate::presentation::format::{count, whole, with_unit};
+use crate::presentation::format::{count, joined, whole, with_unit};
 use common::outputs::Evaluation;
 use common::scene::{LimitState, OutputUnit, Scene};
 use serde_json::{Value, json};
@@ -92,13 +92,11 @@ fn reached(cycles: &[u32], history: &[f64], unworn: Option<f64>, threshold: f64)
         start.into_iter().chain(cycles.iter().map(|n| f64::from(*n)).zip(history.iter().copied())).collect();
     let crossing =
         |[(from, low), (to, high)]: [(f64, f64); 2]| from + (to - from) * (threshold - low) / (high - low);
-    match points.iter().position(|(_, value)| *value >= threshold) {
-        Some(0) => Reached::After(points[0].0),
-        Some(k) => Reached::After(crossing([points[k - 1], points[k]])),
-        None => Reached::Beyond(match points.as_slice() {
-            [.., before, last] if last.1 > before.1 => Some(crossing([*before, *last])),
-            _ => None,
-        }),
+    match (points.iter().position(|(_, value)| *value >= threshold), points.as_slice()) {
+        (Some(0), _) => Reached::After(points[0].0),
+        (Some(k), _) => Reached::After(crossing([points[k - 1], points[k]])),
+        (None, [.., before, last]) if last.1 > before.1 => Reached::Beyond(Some(crossing([*before, *last]))),
+        (None, _) => Reached::Beyond(None),
     }
 }
 
@@ -110,8 +108,7 @@ impl NominalLife<'_> {
 
     /// The threshold with its unit, or both, e.g. `20 N to 90 N`.
     pub fn thresholds(&self) -> String {
-        let each: Vec<String> = self.limit.thresholds().into_iter().map(|value| self.shown(value)).collect();
-        each.join(" to ")
+        joined(self.limit.thresholds().into_iter().map(|value| self.shown(value)), " to ")
     }
 
     /// Distance of the last value from failure over the size of the threshold, or over half the distance between two [1]; negative

@@ -89,9 +89,8 @@ impl ProgressText {
 
 /// A finished round in one line.
 fn round_line(round: &Round) -> String {
-    let change = round
-        .change_of_r
-        .map_or(String::new(), |change| format!(", largest change of any R {}", percent(change)));
+    let change = |change| format!(", largest change of any R {}", percent(change));
+    let change = round.change_of_r.map_or(String::new(), change);
     format!(
         "round {}: {} evaluations, {}{change}{}",
         round.round,
@@ -166,11 +165,7 @@ impl Observer for Terminal {
         let line = self.text.line(now, progress);
         match &self.mode {
             OutputMode::Quiet => {}
-            OutputMode::Lines => {
-                if let Some(line) = line {
-                    print_message(line);
-                }
-            }
+            OutputMode::Lines => line.into_iter().for_each(print_message),
             OutputMode::Bar(bar) => {
                 bar.set_length(self.text.study.budget.max(self.text.study.planned));
                 bar.set_position(self.text.study.done);

@@ -104,12 +104,9 @@ impl Journal for InMemoryJournal {
 
     fn record(&mut self, request: &Request, finished: &Finished) -> Result<(), EvaluateError> {
         let entry = (request.sample.clone(), finished.clone());
-        if self.outcomes.insert(request.id, entry).is_some() {
-            return Err(EvaluateError::Record(
-                format!("evaluation {} was recorded before", request.id).into(),
-            ));
-        }
-        Ok(())
+        let twice =
+            |_| EvaluateError::Record(format!("evaluation {} was recorded before", request.id).into());
+        self.outcomes.insert(request.id, entry).map_or(Ok(()), |known| Err(twice(known)))
     }
 
     fn set_aside(&mut self, id: u64, _reason: &str) -> Result<(), EvaluateError> {

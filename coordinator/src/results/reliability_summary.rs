@@ -19,7 +19,6 @@ pub struct ReliabilityRow {
     pub standard_error: PerLimitState,
     /// 95 % interval of R(n) per curve, every error that is known included: R -+ 1.96 standard errors, where no failure or no survivor was
     /// seen the rule of three, and on either side what the numerical error moves R to; empty in studies by earlier versions.
-    #[serde(default)]
     pub interval: BTreeMap<String, ReliabilityRange>,
     /// Parts of the standard error per curve; empty in studies by earlier versions.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
@@ -34,13 +33,10 @@ impl ReliabilityRow {
     /// 95 % interval of the reliability `key`, every error that is known included.
     pub fn interval_of(&self, key: &str) -> Option<ReliabilityRange> {
         let r = *self.reliability.get(key)?;
-        let own = match self.interval.get(key) {
-            Some(interval) => *interval,
-            None => {
-                let reach = REACH * *self.standard_error.get(key)?;
-                ReliabilityRange { lower: (r - reach).max(0.0), upper: (r + reach).min(1.0) }
-            }
-        };
+        let within =
+            |reach: f64| ReliabilityRange { lower: (r - reach).max(0.0), upper: (r + reach).min(1.0) };
+        let by_error = || self.standard_error.get(key).map(|error| within(REACH * error));
+        let own = self.interval.get(key).copied().or_else(by_error)?;
         Some(self.numerical.get(key).map_or(own, |range| own.widened(r, *range)))
     }
 

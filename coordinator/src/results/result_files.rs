@@ -14,13 +14,8 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 pub enum ResultFileError {
     /// The file cannot be written.
-    #[error("{}: {source}", path.display())]
-    Write {
-        /// Path of the file.
-        path: PathBuf,
-        /// Error of the operating system.
-        source: std::io::Error,
-    },
+    #[error("{path}: {1}", path = .0.display())]
+    Write(PathBuf, #[source] std::io::Error),
     /// The result has a number that JSON cannot represent.
     #[error("summary.json: a result is not a finite number: {0}")]
     NotFinite(serde_json::Error),
@@ -33,7 +28,7 @@ impl ResultFileError {
     /// True if the user named a file or folder that cannot be used (exit code 2), false for other failures (exit code 1).
     pub fn is_bad_input(&self) -> bool {
         match self {
-            Self::Write { source, .. } => is_unusable_path(source),
+            Self::Write(_, source) => is_unusable_path(source),
             Self::NotFinite(_) => false,
             Self::Store(error) => error.is_bad_input(),
         }
@@ -49,7 +44,7 @@ pub fn write_atomically(
     path: &Path,
     fill: impl FnOnce(&mut dyn Write) -> Result<(), ResultFileError>,
 ) -> Result<(), ResultFileError> {
-    let failed = |source| ResultFileError::Write { path: path.into(), source };
+    let failed = |source| ResultFileError::Write(path.into(), source);
     if is_stream(path) {
         let mut stream = std::io::BufWriter::new(File::options().write(true).open(path).map_err(failed)?);
         fill(&mut stream)?;
@@ -90,7 +85,7 @@ fn is_stream(path: &Path) -> bool {
 /// # Errors
 /// [`ResultFileError::Write`].
 pub fn create_folder(path: &Path) -> Result<(), ResultFileError> {
-    std::fs::create_dir_all(path).map_err(|source| ResultFileError::Write { path: path.into(), source })
+    std::fs::create_dir_all(path).map_err(|source| ResultFileError::Write(path.into(), source))
 }
 
 /// Writes text to a file, completely or not at all.
@@ -106,9 +101,8 @@ pub fn write_text(path: &Path, text: &str) -> Result<(), ResultFileError> {
 /// # Errors
 /// [`ResultFileError::Write`].
 pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), ResultFileError> {
-    write_atomically(path, |file| {
-        file.write_all(bytes).map_err(|source| ResultFileError::Write { path: path.into(), source })
-    })
+    let failed = |source| ResultFileError::Write(path.into(), source);
+    write_atomically(path, |file| file.write_all(bytes).map_err(failed))
 }
 
 /// `summary.json` as text.
@@ -153,7 +147,7 @@ pub fn reliability_csv(summary: &StudySummary) -> String {
 /// [`ResultFileError`].
 pub fn write_samples_csv(path: &Path, campaign: &CampaignFile, scene: &Scene) -> Result<(), ResultFileError> {
     let checkpoints = scene.life.checkpoints();
-    let failed = |error: csv::Error| ResultFileError::Write { path: path.into(), source: error.into() };
+    let failed = |error: csv::Error| ResultFileError::Write(path.into(), error.into());
     write_atomically(path, |file| {
         let mut writer = csv::Writer::from_writer(file);
         let mut columns = vec!["id".to_owned()];
@@ -183,7 +177,7 @@ pub fn write_samples_csv(path: &Path, campaign: &CampaignFile, scene: &Scene) ->
             cells.push(stored.level.to_string());
             writer.write_record(&cells).map_err(failed)
         })?;
-        writer.flush().map_err(|source| ResultFileError::Write { path: path.into(), source })
+        writer.flush().map_err(|source| ResultFileError::Write(path.into(), source))
     })
 }
 
@@ -341,7 +335,7 @@ mod tests {
         write_text(&path, "old").unwrap();
         let failed = write_atomically(&path, |file| {
             file.write_all(b"half").unwrap();
-            Err(ResultFileError::Write { path: path.clone(), source: std::io::Error::other("disk full") })
+            Err(ResultFileError::Write(path.clone(), std::io::Error::other("disk full")))
         });
         assert!(failed.is_err());
         assert_eq!(std::fs::read_to_string(&path).unwrap(), "old");

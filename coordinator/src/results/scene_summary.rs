@@ -3,10 +3,9 @@
 use common::random::RandomVariable;
 use common::scene::expression::read_unit;
 use common::scene::quantity::{AngleUnit, Dimension};
-use common::scene::{Fails, OutputUnit, Scene};
+use common::scene::{Fails, LimitState, OutputUnit, Scene};
 use ring::digest::{SHA256, digest};
 use serde::{Deserialize, Serialize};
-use std::fmt::Write;
 
 /// A random variable of a study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -77,22 +76,14 @@ pub fn unit_rows(scene: &Scene) -> Vec<UnitRow> {
 
 /// The random variables of a scene, in its order.
 pub fn variable_rows(scene: &Scene) -> Vec<VariableRow> {
-    scene.variables.iter().map(variable_row).collect()
-}
-
-fn variable_row(variable: &RandomVariable) -> VariableRow {
-    let law = &variable.distribution;
-    let bound = |value: f64| value.is_finite().then_some(value);
-    let (lower, upper) = law.support();
-    VariableRow {
-        name: variable.name.clone(),
-        distribution: law.word().to_owned(),
-        mean: law.parent_mean(),
-        std: law.given_std(),
-        lower: bound(lower),
-        upper: bound(upper),
-        unit: si_unit(&variable.unit),
-    }
+    let row = |RandomVariable { name, distribution: law, unit, .. }: &RandomVariable| {
+        let (lower, upper) = law.support();
+        let [lower, upper] = [lower, upper].map(|bound| bound.is_finite().then_some(bound));
+        let (mean, std) = (law.parent_mean(), law.given_std());
+        let (name, distribution, unit) = (name.clone(), law.word().to_owned(), si_unit(unit));
+        VariableRow { name, distribution, mean, std, lower, upper, unit }
+    };
+    scene.variables.iter().map(row).collect()
 }
 
 /// The SI unit of values that are displayed in `unit`.
@@ -107,7 +98,7 @@ fn si_unit(unit: &str) -> String {
 
 /// The limit states of a scene, in its order.
 pub fn limit_rows(scene: &Scene) -> Vec<LimitRow> {
-    let row = |limit: &common::scene::LimitState| {
+    let row = |limit: &LimitState| {
         let output = &scene.outputs[limit.output];
         let unit = output.kind.unit();
         let (fails, lower) = match limit.fails {
@@ -115,25 +106,16 @@ pub fn limit_rows(scene: &Scene) -> Vec<LimitRow> {
             Fails::Below => ("below", None),
             Fails::Outside { lower } => ("outside", Some(unit.to_file(lower))),
         };
-        LimitRow {
-            name: limit.name.clone(),
-            output: output.name.clone(),
-            threshold: unit.to_file(limit.threshold),
-            lower,
-            unit: unit.suffix().to_owned(),
-            fails: fails.to_owned(),
-        }
+        let (threshold, fails) = (unit.to_file(limit.threshold), fails.to_owned());
+        let (name, output, unit) = (limit.name.clone(), output.name.clone(), unit.suffix().to_owned());
+        LimitRow { name, output, threshold, lower, unit, fails }
     };
     scene.limit_states.iter().map(row).collect()
 }
 
 /// SHA-256 of a text in hexadecimal digits.
 pub fn sha256(text: &str) -> String {
-    digest(&SHA256, text.as_bytes()).as_ref().iter().fold(String::new(), |mut hex, byte| {
-        // Writing to a String cannot fail.
-        let _ = write!(hex, "{byte:02x}");
-        hex
-    })
+    digest(&SHA256, text.as_bytes()).as_ref().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 #[cfg(test)]

@@ -15,10 +15,8 @@
 //! Cui et al. (2026), China Mechanical Engineering 37(6), 1472-1485, doi 10.3969/j.issn.1004-132X.2026.06.020, section 3.3, after
 //! Echard, Gayton, Lemaire (2011), AK-MCS, Structural Safety 33(2).
 
-use super::campaign::Campaign;
 use super::requests::PendingSample;
-use super::round::Assessment;
-use super::settings::Settings;
+use super::{Assessment, Campaign, Settings};
 use crate::statistics::learning::{Classification, LearningFunction, Rule, UNCERTAIN};
 use crate::statistics::surrogate::{FormSettings, Kernel, StatedErrors, Trend};
 use rayon::prelude::*;
@@ -49,7 +47,7 @@ impl Campaign {
         let assessment = progress.assessment.as_mut().expect("all outcomes have been assessed");
         if plan.settings.learning == LearningFunction::Coupled {
             let Assessment { selection, modes, .. } = assessment;
-            return selection.choose(modes, 1).into_iter().map(|j| requests.take(classified, j)).collect();
+            return selection.choose(modes).into_iter().map(|j| requests.take(classified, j)).collect();
         }
         let mut chosen = Vec::new();
         for (s, mode) in assessment.modes.iter().enumerate() {

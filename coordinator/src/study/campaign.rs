@@ -9,16 +9,12 @@
 //! Echard, Gayton, Lemaire (2011), AK-MCS: an active learning reliability method combining Kriging and Monte
 //! Carlo simulation, Structural Safety 33(2).
 
-use super::campaign_data::CampaignData;
-use super::classified_population::ClassifiedPopulation;
-use super::failures::{check_failures, check_nominal, check_results};
-use super::observations::ObservedOutcome;
-use super::plan::{Plan, Problem};
-use super::prediction_check::{judge, largest_prediction_error};
+use super::campaign_data::{CampaignData, judge, largest_prediction_error};
+use super::failures::{check_failures, check_results};
 use super::requests::{PendingSample, Requests};
 use super::round::{Assessment, RoundInput, assess};
-use super::step::{CampaignError, Step, StopReason};
 use super::surrogates::SurrogateState;
+use super::{CampaignError, ClassifiedPopulation, ObservedOutcome, Plan, Problem, Step, StopReason};
 use crate::results::summary::Round;
 use crate::statistics::design::{Population, choose_by_latin_hypercube, latin_hypercube};
 use crate::statistics::learning::{Rule, Stopping};
@@ -79,8 +75,7 @@ impl Campaign {
     pub fn next_step(&mut self) -> Result<Step, CampaignError> {
         loop {
             let step = self.step_on_this_population()?;
-            let larger = &self.plan.settings.larger_populations;
-            if step != Step::Done || !self.classified.grow_to_next(larger) {
+            if step != Step::Done || !self.classified.grow_to_next(&self.plan.settings.larger_populations) {
                 return Ok(step);
             }
             self.restart_on_new_population();
@@ -90,7 +85,8 @@ impl Campaign {
 
     fn step_on_this_population(&mut self) -> Result<Step, CampaignError> {
         if self.requests.total == 0 {
-            return Ok(self.request_nominal_point());
+            // The nominal point, alone: a simulator that cannot answer is found out by one evaluation.
+            return Ok(self.requests.begin(vec![PendingSample::nominal(&self.problem.inputs)]));
         }
         let waiting = self.requests.under_way();
         if self.progress.stop.is_some() {
@@ -157,7 +153,8 @@ impl Campaign {
         }
         self.progress.assessment = None;
         if is_nominal {
-            return check_nominal(&self.data.failed);
+            let failed = self.data.failed.first().map(|failed| failed.cause.clone());
+            return failed.map_or(Ok(()), |cause| Err(CampaignError::Nominal { cause }));
         }
         if !learning && !is_repetition {
             self.data.observations.close_design();
@@ -171,18 +168,12 @@ impl Campaign {
         self.plan.settings.max_evaluations.saturating_sub(self.requests.total)
     }
 
-    /// Requests the nominal point, alone: a simulator that cannot answer is found out by one evaluation.
-    fn request_nominal_point(&mut self) -> Step {
-        self.requests.begin(vec![PendingSample::nominal(&self.problem.inputs)])
-    }
-
     /// Requests the rest of the initial design: a Latin hypercube; as published, or if the population is all there is,
     /// the points of the population nearest to it.
     fn request_initial_design(&mut self) -> Step {
         let count = self.plan.settings.initial.saturating_sub(1).min(self.budget_left());
         let (population, seed) = (&self.classified.population, self.plan.settings.seed);
-        let from_population = self.plan.is_as_published() || self.plan.largest_population <= population.len();
-        let chunk = if from_population {
+        let chunk = if self.plan.is_as_published() || self.plan.largest_population <= population.len() {
             let chosen = choose_by_latin_hypercube(population, count, seed);
             chosen.into_iter().map(|j| self.requests.take(&self.classified, j)).collect()
         } else {
@@ -215,7 +206,7 @@ impl Campaign {
         // before, does not know.
         let Assessment { selection, modes, .. } = assessment;
         while chunk.len() < count {
-            let Some(j) = selection.choose(modes, 1).pop() else { break };
+            let Some(j) = selection.choose(modes) else { break };
             if !self.requests.requested[j] {
                 chunk.push(self.requests.take(&self.classified, j));
             }
@@ -243,29 +234,26 @@ impl Campaign {
                 return Ok(());
             }
             let failed = assessment.governing_failed();
-            let cov = self.classified.coefficient_of_variation(failed);
-            self.add_round(&assessment, cov);
+            self.add_round(&assessment);
             self.surrogates.previous_curves = Some(assessment.curves.clone());
-            if self.plan.is_as_published() {
-                if met.is_some() && self.classified.grow_if_needed(&self.plan, failed) {
-                    self.restart_on_new_population();
-                    continue;
-                }
-                self.progress.stop = met.map(StopReason::Rule);
-                self.progress.assessment = Some(assessment);
-                return Ok(());
+            let (classified, plan) = (&mut self.classified, &self.plan);
+            let (ends, replaced) = if plan.is_as_published() {
+                (met.is_some(), met.is_some() && classified.grow_if_needed(plan, failed))
+            } else {
+                let barred = assessment.feasibility.barred_share(classified.unconditional());
+                let rare = classified.is_rare(plan, failed, barred);
+                let points = plan.targets.points_to_hold(self.problem.inputs.dimension(), rare);
+                let needed = (plan.targets.hold, points);
+                let held = self.progress.stopping.record_round(met, self.data.results(), needed);
+                let ends = held && self.requests.under_way() == 0;
+                let surrogates = &assessment.surrogates;
+                (ends, ends && classified.replace_if_needed(plan, surrogates, failed, barred))
+            };
+            if replaced {
+                self.restart_on_new_population();
+                continue;
             }
-            let barred = assessment.feasibility.barred_share(self.classified.unconditional());
-            let rare = self.classified.is_rare(&self.plan, failed, barred);
-            let targets = &self.plan.targets;
-            let needed = (targets.hold, targets.points_to_hold(self.problem.inputs.dimension(), rare));
-            let held = self.progress.stopping.record_round(met, self.data.results(), needed);
-            if held && self.requests.under_way() == 0 {
-                let models = &assessment.surrogates;
-                if self.classified.replace_if_needed(&self.plan, models, failed, barred) {
-                    self.restart_on_new_population();
-                    continue;
-                }
+            if ends {
                 self.progress.stop = met.map(StopReason::Rule);
             }
             self.progress.assessment = Some(assessment);
@@ -286,15 +274,14 @@ impl Campaign {
         let (assessment, _) = self.assess_until_fresh()?;
         let failed = assessment.governing_failed();
         self.classified.add_change(before, failed);
-        let cov = self.classified.coefficient_of_variation(failed);
-        self.add_round(&assessment, cov);
+        self.add_round(&assessment);
         self.progress.assessment = Some(assessment);
         Ok(())
     }
 
-    pub(super) fn add_round(&mut self, assessment: &Assessment, cov_pf: f64) {
-        let population = self.classified.population.len();
-        let mut row = assessment.row(self.classified.condition.probability, population);
+    pub(super) fn add_round(&mut self, assessment: &Assessment) {
+        let cov_pf = self.classified.coefficient_of_variation(assessment.governing_failed());
+        let mut row = assessment.row(self.classified.condition.probability, self.classified.population.len());
         (row.round, row.evaluations, row.cov_pf) =
             (self.progress.rounds.len(), self.requests.received, cov_pf);
         row.cycles = self.problem.checkpoints[assessment.governing];
@@ -304,11 +291,7 @@ impl Campaign {
     fn restart_on_new_population(&mut self) {
         self.requests.mark_known(&self.classified.population);
         self.surrogates.reset_population();
-        if self.classified.is_similar() {
-            self.progress.stopping.reset_for_larger_population();
-        } else {
-            self.progress.stopping.reset();
-        }
+        self.progress.stopping.reset(self.classified.similar);
     }
 
     /// Assesses the outcomes; if a stopping rule is met with lengths that are not fresh, assesses again after
@@ -326,7 +309,7 @@ impl Campaign {
                 effort = Effort::MultiStart;
             }
             if far_off || contradicted {
-                self.progress.stopping.reset();
+                self.progress.stopping.reset(false);
                 self.classified.require_another_draw();
             }
         }

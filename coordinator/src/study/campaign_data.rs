@@ -1,11 +1,19 @@
 //! What the simulations of a campaign gave: results in the surrogates, exploring results that confirmed them,
 //! and failures.
+//!
+//! Tests of the surrogates by results they were not fitted to: whether a result concerns the limit, and how
+//! large the error of its prediction was.
+//!
+//! A result concerns the limit if it lies on the other side of the threshold than predicted, or nearer to it
+//! than 95 % of the predicted distance. An exploring result that does not has tested the surrogates and is not
+//! added to them: far from the limit a response may be so steep (`rp31` among the published problems, 256
+//! x^4) that no stationary correlation fits both it and the surroundings of the limit.
 
-use super::failures::Failed;
-use super::observations::{Observations, Observed};
-use super::outliers::Outlier;
-use super::prediction_check::{Judgement, Verdict};
+use super::surrogates::{ModeResults, Surrogate};
+use super::{Failed, Observations, Observed, Outlier};
+use crate::statistics::learning::Mode;
 use common::failure::SimulationFailure;
+use faer::{Mat, MatRef};
 
 /// What the simulations gave.
 #[derive(Debug)]
@@ -86,8 +94,7 @@ impl CampaignData {
             (1.0 - approach).max(0.1).powi(-3)
         };
         let results = self.observations.standardised().chain(self.confirmed.iter().map(Vec::as_slice));
-        let failed = self.failed.iter().map(|failed| (&failed.z[..], 1.0));
-        results.map(|z| (z, factor(z))).chain(failed).collect()
+        results.map(|z| (z, factor(z))).chain(self.failed.iter().map(|failed| (&failed.z[..], 1.0))).collect()
     }
 
     /// True if a failure at the standardised point `z` `(d,)` has a probability of a third or more by the distances from failures and
@@ -100,9 +107,103 @@ impl CampaignData {
     }
 }
 
+impl Surrogate {
+    /// Largest error of the predictions of results that are not in the surrogate and concern the limit, in
+    /// predicted standard deviations with the [`Surrogate::inflation`] [1]; 0 without such results.
+    fn prediction_error(&self, results: &ModeResults<'_>) -> f64 {
+        let (n, all) = (self.model.points(), results.points.ncols());
+        if all == n {
+            return 0.0;
+        }
+        let prediction = self.model.predict(results.points.subcols(n, all - n));
+        let (noise, inflation) = (self.model.correlation().noise(), self.inflation());
+        let standardised_error = |i: usize, o: usize| {
+            let (value, mean) = (results.values[(n + i, o)], prediction.mean[(o, i)]);
+            let variance = self.model.sigma2()[o] * (prediction.variance_factor[i] + noise) * inflation;
+            let error = (value - mean).abs() / variance.max(f64::MIN_POSITIVE).sqrt();
+            if verdict(value, mean, self.threshold.value) > Verdict::Confirmed { error } else { 0.0 }
+        };
+        let pairs = (0..all - n).flat_map(|i| self.fitted_on.iter().map(move |o| (i, *o)));
+        pairs.map(|(i, o)| standardised_error(i, o)).fold(0.0, f64::max)
+    }
+}
+
+/// Share of the predicted distance from the limit below which a result is near [1]: the first sign of a branch
+/// of failures beyond a kink may be a response that has come a little nearer only.
+const NEAR: f64 = 0.95;
+
+/// What a result says about its prediction; the later the graver.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Verdict {
+    /// On the predicted side of the threshold, no nearer than [`NEAR`] of the predicted distance.
+    Confirmed,
+    /// On the predicted side, at less than [`NEAR`] of the predicted distance.
+    Near,
+    /// On the other side.
+    Contradicted,
+}
+
+/// The verdict of `value` on a prediction.
+fn verdict(value: f64, predicted: f64, threshold: f64) -> Verdict {
+    let (left, predicted) = (threshold - value, threshold - predicted);
+    if (left > 0.0) != (predicted > 0.0) {
+        Verdict::Contradicted
+    } else if left.abs() < NEAR * predicted.abs() {
+        Verdict::Near
+    } else {
+        Verdict::Confirmed
+    }
+}
+
+/// Largest error [1] of any surrogate at the results observed since its fit, in predicted standard
+/// deviations.
+pub(super) fn largest_prediction_error(
+    surrogates: &[Surrogate],
+    modes: &[Mode],
+    observations: &Observations,
+) -> f64 {
+    let points = observations.points();
+    let error_of = |(surrogate, mode): (&Surrogate, &Mode)| {
+        surrogate.prediction_error(&ModeResults::new(observations, &points, mode))
+    };
+    surrogates.iter().zip(modes).map(error_of).fold(0.0, f64::max)
+}
+
+/// Comparison of a result with its prediction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Judgement {
+    /// The gravest verdict over modes and checkpoints.
+    pub verdict: Verdict,
+    /// Largest share of the predicted distance from a limit by which the result is nearer to it [1]; 1 beyond it.
+    pub approach: f64,
+}
+
+/// The share of the predicted distance by which `value` is nearer to the threshold than predicted, 0 to 1 [1].
+fn approach(value: f64, predicted: f64, threshold: f64) -> f64 {
+    if predicted >= threshold { 0.0 } else { ((value - predicted) / (threshold - predicted)).clamp(0.0, 1.0) }
+}
+
+/// Judges a result at the standardised point `z` `(d,)` over the modes and the checkpoints their surrogates were
+/// fitted on.
+pub(super) fn judge(surrogates: &[Surrogate], modes: &[Mode], z: &[f64], observed: &Observed) -> Judgement {
+    let point: Mat<f64> = MatRef::from_column_major_slice(z, z.len(), 1).to_owned();
+    let mut gravest = Judgement { verdict: Verdict::Confirmed, approach: 0.0 };
+    for (surrogate, mode) in surrogates.iter().zip(modes) {
+        let mean = surrogate.model.predict(point.as_ref()).mean;
+        let values = observed.running_maximum(mode.output);
+        for o in &surrogate.fitted_on {
+            let (value, mean) = (values[*o], mean[(*o, 0)]);
+            let threshold = surrogate.threshold.value;
+            gravest.verdict = gravest.verdict.max(verdict(value, mean, threshold));
+            gravest.approach = gravest.approach.max(approach(value, mean, threshold));
+        }
+    }
+    gravest
+}
+
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{Verdict, approach, verdict, *};
 
     #[test]
     fn issue_one_corner_without_results_counts_once() {
@@ -139,5 +240,23 @@ mod tests {
             assert!((factor / exact - 1.0_f64).abs() < 1e-12, "{z}: {factor}");
         }
         assert!(data.contradicted && data.results() == 4);
+    }
+
+    #[test]
+    fn a_result_concerns_the_limit_if_nearer_than_predicted_or_beyond() {
+        let cases = [(9.0, 5.0), (10.5, 9.9), (12.0, 20.0), (9.0, 11.0)]
+            .map(|(v, p)| verdict(v, p, 10.0) > Verdict::Confirmed);
+        assert_eq!(cases, [true; 4]);
+        let cases = [(5.0, 5.0), (-90.0, 5.0), (5.0, 4.9), (20.0, 12.0)]
+            .map(|(v, p)| verdict(v, p, 10.0) > Verdict::Confirmed);
+        assert_eq!(cases, [false; 4]);
+        let cases = [(9.0, 5.0), (10.5, 9.9), (9.0, 11.0), (5.0, 5.0)].map(|(v, p)| verdict(v, p, 10.0));
+        let [near, contradicted] = [Verdict::Near, Verdict::Contradicted];
+        assert_eq!(cases, [near, contradicted, contradicted, Verdict::Confirmed]);
+    }
+    #[test]
+    fn an_approach_is_a_share_of_the_predicted_distance() {
+        let cases = [(8.0, 5.0), (11.0, 5.0), (4.0, 5.0), (10.5, 12.0)].map(|(v, p)| approach(v, p, 10.0));
+        assert_eq!(cases, [0.6, 1.0, 0.0, 0.0]);
     }
 }

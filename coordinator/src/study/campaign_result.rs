@@ -1,15 +1,11 @@
 //! The loop of an active-learning campaign whose simulations are made in place, for published problems, replays, designs and
 //! tests; and the result of a campaign.
 
-use super::campaign::Campaign;
-use super::classified_population::ClassifiedPopulation;
-use super::failures::Failed;
 use super::interim::InterimResult;
-use super::observations::{Observations, ObservedOutcome};
-use super::outliers::Outlier;
-use super::round::Assessment;
-use super::settings::Method;
-use super::step::{CampaignError, SampleRequest, Step, StopReason};
+use super::{
+    Assessment, Campaign, CampaignError, ClassifiedPopulation, Failed, Method, Observations, ObservedOutcome,
+    Outlier, SampleRequest, Step, StopReason,
+};
 use crate::results::summary::Round;
 use crate::statistics::reliability::CurvePoint;
 use std::collections::VecDeque;
@@ -102,12 +98,9 @@ impl Campaign {
     pub fn finish(mut self) -> Option<CampaignResult> {
         let stop = self.progress.stop?;
         // Failures that the budget left no repetition for.
-        let retries = self.requests.retries.drain(..).map(|(pending, cause)| Failed {
-            z: pending.z,
-            cause,
-            expected: false,
-        });
-        self.data.failed.extend(retries);
+        let retries = self.requests.retries.drain(..);
+        let failed = retries.map(|(pending, cause)| Failed { z: pending.z, cause, expected: false });
+        self.data.failed.extend(failed);
         Some(CampaignResult {
             shares: self.interim()?,
             assessment: self.progress.assessment?,

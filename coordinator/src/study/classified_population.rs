@@ -1,9 +1,8 @@
 //! The population that a campaign classifies: a Monte Carlo population, and where failures are too rare for
 //! any, one conditional on an intermediate event.
 
-use super::plan::Plan;
 use super::rare::conditional_population;
-use super::surrogates::Surrogate;
+use super::{Plan, Surrogate};
 use crate::statistics::design::{Population, Stream, open_stream};
 use crate::statistics::reliability::Condition;
 
@@ -42,7 +41,7 @@ pub struct ClassifiedPopulation {
     samples: usize,
     /// True if the last change left the population much as it was: it grew, or was drawn again without a
     /// contradicted prediction.
-    similar: bool,
+    pub(super) similar: bool,
     /// True if a prediction was contradicted since the last change.
     contradicted: bool,
     /// Failure probability when the last conditional population was replaced [1].
@@ -68,14 +67,9 @@ impl ClassifiedPopulation {
     /// at the next stop with the failed share of the system `failed` [1].
     /// Where more of the population is `barred` [1], that will not be.
     pub(super) fn is_rare(&self, plan: &Plan, failed: f64, barred: f64) -> bool {
-        self.is_conditional()
-            || (!self.is_resolved(plan, failed, barred) && self.size_needed(plan, failed).is_none())
-    }
-
-    /// True if the population resolves the failure probability that belongs to the share `failed` of its points [1]: with the
-    /// coefficient of variation wanted, or as well as the share of the population that is `barred` [1] allows.
-    pub(super) fn is_resolved(&self, plan: &Plan, failed: f64, barred: f64) -> bool {
-        self.coefficient_of_variation(failed) <= plan.targets.cov || self.is_within_barred(failed, barred)
+        let is_resolved = self.coefficient_of_variation(failed) <= plan.targets.cov
+            || self.is_within_barred(failed, barred);
+        self.is_conditional() || (!is_resolved && self.size_needed(plan, failed).is_none())
     }
 
     /// True if the sampling of the failure probability that belongs to the share `failed` of the points [1] adds nothing to an
@@ -84,11 +78,6 @@ impl ClassifiedPopulation {
         let counted = failed.max(1.0 / self.population.len() as f64);
         let std = self.coefficient_of_variation(failed) * counted * self.condition.probability;
         std <= WITHIN * barred
-    }
-
-    /// True if the last change left the population much as it was.
-    pub(super) fn is_similar(&self) -> bool {
-        self.similar
     }
 
     /// Has a conditional population drawn anew before the next stop, after a contradicted prediction: the region
@@ -118,9 +107,8 @@ impl ClassifiedPopulation {
 
     /// Enlarges the population to the size that the coefficient of variation requires, if that is allowed; returns true if it did.
     pub(super) fn grow_if_needed(&mut self, plan: &Plan, failed: f64) -> bool {
-        let size = self
-            .size_needed(plan, failed)
-            .filter(|_| self.coefficient_of_variation(failed) > plan.targets.cov);
+        let is_needed = self.coefficient_of_variation(failed) > plan.targets.cov;
+        let size = self.size_needed(plan, failed).filter(|_| is_needed);
         size.map(|size| self.population.grow_to(size)).is_some()
     }
 
@@ -183,8 +171,7 @@ impl ClassifiedPopulation {
         let mut rng = open_stream(plan.settings.seed, Stream::Subset(self.draws));
         let (drawn, condition) =
             conditional_population(self.unconditional(), surrogates, self.samples, &mut rng);
-        let replaced = std::mem::replace(&mut self.population, drawn);
-        self.unconditional.get_or_insert(replaced);
+        self.unconditional.get_or_insert(std::mem::replace(&mut self.population, drawn));
         self.condition = condition;
         self.draws += 1;
     }

@@ -3,16 +3,28 @@
 //! What is corrected are the outputs of each evaluation, before limit states and surrogates see them, so that R(n), lives, first failures,
 //! sensitivities and decisions follow from corrected results. Their stated errors are replaced by 1.96 standard deviations of the
 //! correction, which moves all results together; the spread from point to point becomes [`Observed::rough`].
+//!
+//! What the pairs of a study gave, for its summary.
 
-use super::observations::Observed;
-use super::stored_outcome::StoredOutcome;
+use super::{Observed, ObservedOutcome, Settings};
+use crate::results::level_summary::{DifferenceRow, LevelsRow};
+use crate::results::summary::StudySummary;
 use crate::statistics::levels::{HistoryDifference, HistoryPair};
 use crate::statistics::reliability::REACH;
-use common::scene::Scene;
+use common::scene::{LimitState, Scene};
 use std::collections::HashMap;
 
 /// Fewest pairs for a correction.
 const FEWEST: usize = 3;
+
+/// Outcome of one evaluation of a study.
+#[derive(Debug, Clone)]
+pub struct StoredOutcome {
+    /// Values of the random variables `(d,)`, SI.
+    pub sample: Vec<f64>,
+    /// Simulated histories per output of the scene, or the failure.
+    pub outcome: ObservedOutcome,
+}
 
 /// Results of one sample at several levels.
 #[derive(Debug, Clone)]
@@ -74,14 +86,13 @@ impl OutputCorrection {
         let of_pair =
             |pair: &LevelPair| (values(&pair.working), values(&pair.finer), pair.finest.as_ref().map(values));
         let all: Vec<_> = pairs.iter().map(of_pair).collect();
-        let slices: Vec<HistoryPair<'_>> = std::iter::zip(&all, pairs)
-            .map(|((working, finer, finest), LevelPair { sample: point, .. })| HistoryPair {
-                point,
-                working,
-                finer,
-                finest: finest.as_deref(),
-            })
-            .collect();
+        let slices = std::iter::zip(&all, pairs).map(|((working, finer, finest), pair)| HistoryPair {
+            point: &pair.sample,
+            working,
+            finer,
+            finest: finest.as_deref(),
+        });
+        let slices: Vec<HistoryPair<'_>> = slices.collect();
         let difference = match target {
             PairedModel::FinerLevel => HistoryDifference::new(&slices),
             PairedModel::ExactLevel => HistoryDifference::to_exact(&slices),
@@ -134,8 +145,7 @@ impl Correction {
             known.insert(key, ()).is_none().then_some(LevelPair { sample, working, finer, finest })
         };
         let pairs: Vec<LevelPair> = working.iter().filter_map(pair).collect();
-        let outputs = pairs.first()?.working.histories.len();
-        Self::new(&pairs, outputs, PairedModel::of(scene))
+        Self::new(&pairs, pairs.first()?.working.histories.len(), PairedModel::of(scene))
     }
 
     /// The corrected result of an evaluation at values of the variables `(d,)` [SI]; responses that were derived from its outputs are left
@@ -150,8 +160,7 @@ impl Correction {
         let mut rough = Vec::with_capacity(outputs);
         for (output, OutputCorrection { difference, has_start }) in self.outputs.iter().enumerate() {
             let shift = usize::from(*has_start);
-            let values = histories[output].iter_mut().zip(&mut errors[output]);
-            for (n, (value, error)) in values.enumerate() {
+            for (n, (value, error)) in histories[output].iter_mut().zip(&mut errors[output]).enumerate() {
                 let stated = if adds { *error } else { 0.0 };
                 *error = stated.hypot(REACH * difference.std_at(n + shift, *value));
                 *value += difference.at(n + shift, *value, sample);
@@ -216,4 +225,49 @@ pub(super) struct LevelFigures {
     pub rough: f64,
     /// Observed order of convergence [1].
     pub order: Option<f64>,
+}
+
+/// What the pairs of a study gave.
+#[derive(Debug)]
+pub(super) struct PairsResult {
+    pub(super) correction: Option<Correction>,
+    /// Simulations at finer levels, failed ones included.
+    pub(super) evaluations: usize,
+    /// Those without a result.
+    pub(super) failed: usize,
+}
+
+impl PairsResult {
+    /// Adds the levels and their differences at the `n`th checkpoint to the summary.
+    pub fn add_to(&self, summary: &mut StudySummary, scene: &Scene, settings: &Settings, n: usize) {
+        let finer = settings.finer_levels(scene);
+        if finer.is_empty() {
+            return;
+        }
+        let correction = self.correction.as_ref();
+        let row = |limit: &LimitState| {
+            let figures = correction?.figures(limit.output, n, limit.threshold);
+            let share =
+                |value: f64| if limit.threshold == 0.0 { value } else { value / limit.threshold.abs() };
+            Some(DifferenceRow {
+                limit_state: limit.name.clone(),
+                cycles: scene.life.checkpoints()[n],
+                form: figures.form.to_owned(),
+                correction: share(figures.correction),
+                error: share(figures.error),
+                rough: share(figures.rough),
+                order: figures.order,
+            })
+        };
+        let working = &settings.accuracy.setting;
+        summary.evaluations.total += self.evaluations;
+        summary.evaluations.failed += self.failed;
+        summary.levels = Some(LevelsRow {
+            names: std::iter::once(working).chain(&finer).map(|level| level.name.clone()).collect(),
+            pairs: correction.map_or([0; 2], |correction| [correction.pairs, correction.thirds]),
+            evaluations: self.evaluations,
+            failed: self.failed,
+            differences: scene.limit_states.iter().filter_map(row).collect(),
+        });
+    }
 }

@@ -1,15 +1,13 @@
 //! Dispatch of a study's samples: each sample becomes a numbered request, which is looked up in the campaign
 //! file and otherwise evaluated; outcomes are checked and returned in the order of the requests.
 
-use super::correction::Correction;
+use super::error::{check, recalled};
 use super::interim::InterimResult;
 use super::learner::{Learner, LearnerStep, run_learner};
-use super::observations::{Observed, ObservedOutcome};
-use super::outcome_check::{check, recalled};
 use super::plan::ResponseLayout;
 use super::result;
 use super::run_times::RunTimes;
-use super::{CampaignError, SampleRequest, Step, StudyError};
+use super::{CampaignError, Correction, Observed, ObservedOutcome, SampleRequest, Step, StudyError};
 use crate::farm::evaluate::{Demand, EvaluateError, Evaluator, Finished, Request, RequestSource};
 use crate::results::journal::Journal;
 use crate::results::progress::{Observer, Progress};
@@ -58,11 +56,9 @@ struct Record<'a> {
     observer: &'a mut dyn Observer,
     next_id: u64,
     done: usize,
-    /// Evaluations and their time [s] by worker name.
-    shares: BTreeMap<String, (usize, f64)>,
+    /// Evaluations and their time by worker name.
+    shares: BTreeMap<String, WorkerShare>,
     times: RunTimes,
-    /// Times of the runs before this one.
-    earlier: Timing,
 }
 
 impl<'a> Dispatcher<'a> {
@@ -92,14 +88,15 @@ impl<'a> Dispatcher<'a> {
             done: 0,
             shares: BTreeMap::new(),
             times: RunTimes::start(evaluator.concurrency()),
-            earlier: Timing::default(),
         };
         Self { evaluator, record }
     }
 
-    /// Numbers the requests from `first` on, after evaluations that exist.
-    pub fn numbered_from(mut self, first: u64) -> Self {
+    /// Numbers the requests from `first` on, after evaluations that exist, and corrects all outcomes at the working accuracy by the
+    /// difference of the levels, if one is known.
+    pub fn going_on(mut self, first: u64, correction: Option<&'a Correction>) -> Self {
         (self.record.next_id, self.record.done) = (first, first as usize);
+        self.record.correction = correction;
         self
     }
 
@@ -109,32 +106,19 @@ impl<'a> Dispatcher<'a> {
         self
     }
 
-    /// Corrects all outcomes at the working accuracy by the difference of the levels, if one is known.
-    pub fn corrected_by(mut self, correction: Option<&'a Correction>) -> Self {
-        self.record.correction = correction;
-        self
-    }
-
     /// Evaluates the learner's samples until the learner is done.
     ///
     /// # Errors
     /// [`StudyError`]; finished evaluations are in the journal by then.
     pub fn run(&mut self, learner: &mut dyn Learner) -> Result<(), StudyError> {
-        self.record.earlier = self.record.journal.times()?;
-        let ended = self.answer(learner);
-        let noted = self.record.note_times(true);
-        ended?;
-        Ok(noted?)
-    }
-
-    fn answer(&mut self, learner: &mut dyn Learner) -> Result<(), StudyError> {
         let Self { evaluator, record } = self;
+        record.times.earlier = record.journal.times()?;
         let (outcomes, recorded) = channel();
         let (sender, steps) = channel();
-        std::thread::scope(|scope| {
+        let ended = std::thread::scope(|scope| {
             scope.spawn(move || run_learner(learner, &recorded, &sender));
             let mut study = StudyRequests {
-                record,
+                record: &mut *record,
                 chunks: VecDeque::new(),
                 requests: BTreeMap::new(),
                 steps,
@@ -150,10 +134,13 @@ impl<'a> Dispatcher<'a> {
             }
             ended?;
             match requests.keys().next() {
-                Some(id) => Err(EvaluateError::NoOutcome { id: *id }.into()),
+                Some(id) => Err(EvaluateError::NoOutcome(*id).into()),
                 None => Ok(()),
             }
-        })
+        });
+        let noted = record.note_times(true);
+        ended?;
+        Ok(noted?)
     }
 
     /// Notes in the journal that the study makes no further request.
@@ -172,17 +159,12 @@ impl<'a> Dispatcher<'a> {
 
     /// Times of the study so far, its earlier runs included.
     pub fn timing(&self) -> Timing {
-        self.record.times.study(&self.record.earlier, self.record.simulation_seconds())
+        self.record.times.study(self.record.simulation_seconds())
     }
 
     /// Evaluations and simulation time by worker, in the order of the names.
     pub fn shares(&self) -> Vec<WorkerShare> {
-        let share = |(name, (evaluations, simulation_s)): (&String, &(usize, f64))| WorkerShare {
-            name: name.clone(),
-            evaluations: *evaluations,
-            simulation_s: *simulation_s,
-        };
-        self.record.shares.iter().map(share).collect()
+        self.record.shares.values().cloned().collect()
     }
 }
 
@@ -207,12 +189,12 @@ impl Record<'_> {
     /// Notes the times of the study in the journal, if it is time to or if the run ends.
     fn note_times(&mut self, ends: bool) -> Result<(), EvaluateError> {
         let simulation = self.simulation_seconds();
-        self.times.note(self.journal, &self.earlier, simulation, ends)
+        self.times.note(self.journal, simulation, ends)
     }
 
     /// Sum of the simulations' own times [s].
     fn simulation_seconds(&self) -> f64 {
-        self.shares.values().map(|(_, wall)| wall).sum()
+        self.shares.values().map(|share| share.simulation_s).sum()
     }
 
     /// Notifies the observer of the interim reliability.
@@ -262,8 +244,7 @@ impl RequestSource for StudyRequests<'_, '_> {
         if self.requests.is_empty() {
             self.record.times.idle += since.elapsed();
         }
-        let next = self.take_steps();
-        next.map_err(|error| self.fail(error))
+        self.take_steps().map_err(|error| self.fail(error))
     }
 
     fn record(&mut self, finished: Finished) -> Result<(), EvaluateError> {
@@ -274,7 +255,7 @@ impl RequestSource for StudyRequests<'_, '_> {
         let mut outcomes = Vec::with_capacity(finished.len());
         for finished in finished {
             let Some(request) = self.requests.remove(&finished.id) else {
-                return Err(EvaluateError::UnrequestedOutcome { id: finished.id });
+                return Err(EvaluateError::UnrequestedOutcome(finished.id));
             };
             outcomes.push((request, finished));
         }
@@ -339,9 +320,11 @@ impl StudyRequests<'_, '_> {
 
     /// Stores an outcome in its chunk.
     fn settle(&mut self, finished: Finished) {
-        let share = self.record.shares.entry(finished.worker.clone()).or_default();
-        share.0 += 1;
-        share.1 += finished.wall;
+        let name = &finished.worker;
+        let unused = || WorkerShare { name: name.clone(), evaluations: 0, simulation_s: 0.0 };
+        let share = self.record.shares.entry(name.clone()).or_insert_with(unused);
+        share.evaluations += 1;
+        share.simulation_s += finished.wall;
         let id = finished.id;
         let chunk = self.chunks.iter_mut().rev().find(|chunk| chunk.first <= id);
         let chunk = chunk.expect("every request has a chunk");
@@ -365,19 +348,13 @@ impl StudyRequests<'_, '_> {
         self.chunks.push_back(Chunk { first, samples, outcomes: vec![None; size] });
         let mut missing = Vec::new();
         for (id, wanted) in (first..).zip(wanted) {
-            let accuracy = match usize::from(wanted.level) {
-                0 => self.record.stricter.filter(|_| wanted.stricter),
+            let SampleRequest { sample, stricter, level, not_by } = wanted;
+            let accuracy = match usize::from(level) {
+                0 => self.record.stricter.filter(|_| stricter),
                 level => self.record.finer.get(level - 1).copied(),
             };
-            let with_first_cycle = id == 0 || (id == 1 && wanted.stricter); // The nominal point, or its repetition.
-            let request = Request {
-                id,
-                sample: wanted.sample,
-                with_first_cycle,
-                accuracy,
-                level: wanted.level,
-                not_by: wanted.not_by,
-            };
+            let with_first_cycle = id == 0 || (id == 1 && stricter); // The nominal point, or its repetition.
+            let request = Request { id, sample, with_first_cycle, accuracy, level, not_by };
             match recalled(self.record.journal, &request, &self.record.shape)? {
                 Some(finished) => {
                     self.record.note_evaluated(&finished, true);

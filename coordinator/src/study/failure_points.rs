@@ -8,6 +8,7 @@
 use crate::results::point_summary::{CoordinateRow, FailurePointRow};
 use crate::statistics::design::Population;
 use crate::statistics::sensitivity::Sampled;
+use common::random::RandomVariable;
 use common::scene::{LimitState, Scene};
 
 /// Least number of points that have failed at the checkpoint of the most probable failure: early failures are what a study is made for,
@@ -33,18 +34,17 @@ pub(super) fn failure_points(
         let (distance, point, normals) =
             distances.filter(|(distance, ..)| distance.is_finite()).min_by(|a, b| a.0.total_cmp(&b.0))?;
         let coordinates = scene.variables.iter().zip(sampled.population.physical(point)).zip(normals);
+        let coordinate = |((variable, value), normal): ((&RandomVariable, f64), f64)| CoordinateRow {
+            variable: variable.name.clone(),
+            value,
+            normal,
+        };
         Some(FailurePointRow {
             limit_state: limit.name.clone(),
             cycles: cycles[n],
             failed: sampled.probability * count(n) as f64 / first.len().max(1) as f64,
             distance,
-            variables: coordinates
-                .map(|((variable, value), normal)| CoordinateRow {
-                    variable: variable.name.clone(),
-                    value,
-                    normal,
-                })
-                .collect(),
+            variables: coordinates.map(coordinate).collect(),
         })
     };
     limits.filter_map(row).collect()
@@ -54,8 +54,7 @@ pub(super) fn failure_points(
 fn normals(population: &Population, point: usize) -> (Vec<f64>, f64) {
     let inputs = population.inputs();
     let normals = inputs.normals(&population.physical(point));
-    let independent = inputs.copula().decorrelate(&normals);
-    let distance = independent.iter().map(|v| v * v).sum::<f64>().sqrt();
+    let distance = inputs.copula().decorrelate(&normals).iter().map(|v| v * v).sum::<f64>().sqrt();
     (normals, distance)
 }
 

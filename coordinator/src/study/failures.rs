@@ -62,14 +62,6 @@ pub(super) fn check_failures<'a>(
     Err(CampaignError::TooManyFailures { failed, total, count, cause: cause.clone() })
 }
 
-/// Fails if the simulation of the nominal point, the only one so far, failed for good.
-///
-/// # Errors
-/// [`CampaignError::Nominal`].
-pub(super) fn check_nominal(failed: &[Failed]) -> Result<(), CampaignError> {
-    failed.first().map_or(Ok(()), |failed| Err(CampaignError::Nominal { cause: failed.cause.clone() }))
-}
-
 /// Fails if simulations failed and the `results` of the others, of `total` samples, do not suffice for a surrogate.
 ///
 /// # Errors
@@ -157,8 +149,7 @@ impl Feasibility {
             let columns = population.columns(start..population.len().min(start + BLOCK));
             self.probability(columns).into_iter().map(|p| p < 1.0 - probability).collect::<Vec<bool>>()
         };
-        let blocks: Vec<Vec<bool>> = starts.into_par_iter().map(of_block).collect();
-        blocks.concat()
+        starts.into_par_iter().flat_map_iter(of_block).collect()
     }
 }
 

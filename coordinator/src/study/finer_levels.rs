@@ -26,7 +26,7 @@ impl FinerLevels {
             (None, [working]) => Ok((working.clone(), Self::None)),
             (None, [working, finer @ ..]) => Ok((working.clone(), Self::Named(finer.to_vec()))),
             (Some(error), _) => Err(error),
-            (None, []) => Err(LevelsError::Count { count: 0 }),
+            (None, []) => Err(LevelsError::Count(0)),
         }
     }
 

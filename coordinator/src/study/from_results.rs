@@ -8,19 +8,15 @@
 //!
 //! [`InputModel::standardised_as`]: crate::statistics::design::InputModel::standardised_as
 
-use super::campaign::Campaign;
-use super::campaign_result::CampaignResult;
-use super::correction::Correction;
 use super::dispatching::Dispatcher;
-use super::observations::ObservedOutcome;
-
 use super::outliers::decided;
+use super::pairs::PairedCampaign;
 use super::plan::{Plan, Problem, ResponseLayout};
 use super::result::curves_from_learning;
-use super::step::CampaignError;
-use super::stored_outcome::StoredOutcome;
-use super::surrogates::Surrogate;
-use super::{Method, Settings, StudyError, StudyResult};
+use super::{
+    Campaign, CampaignError, CampaignResult, Correction, Method, ObservedOutcome, Settings, StoredOutcome,
+    StudyError, StudyResult, Surrogate,
+};
 use crate::farm::evaluate::Evaluator;
 use crate::results::journal::Journal;
 use crate::results::progress::Observer;
@@ -90,16 +86,16 @@ impl Campaign {
     }
 
     /// Takes these surrogates, e.g. those of another population, instead of fitting new ones from several starts, if they are
-    /// of the same results in the same coordinates. With other `thresholds` than those of their fit, their lengths are fitted
-    /// again from the present ones.
+    /// of the same results in the same coordinates. Those `of_others`, of other thresholds than the present ones, have their lengths
+    /// fitted again from those they have.
     #[must_use]
-    pub fn with_surrogates(mut self, surrogates: &[Surrogate], thresholds: Thresholds) -> Self {
+    pub fn with_surrogates(mut self, surrogates: &[Surrogate], of_others: bool) -> Self {
         let n = self.data.observations.len();
         let points = self.data.observations.points();
         if surrogates.iter().all(|surrogate| surrogate.model.is_at(points.as_ref())) {
             self.surrogates.models = surrogates.to_vec();
             self.surrogates.record_fit(Effort::MultiStart, n);
-            if thresholds == Thresholds::Others {
+            if of_others {
                 self.surrogates.require_fit();
             }
         }
@@ -121,8 +117,7 @@ impl Campaign {
         }
         self.surrogates.require_fit();
         let (assessment, _) = self.assess_until_fresh()?;
-        let cov = self.classified.coefficient_of_variation(assessment.governing_failed());
-        self.add_round(&assessment, cov);
+        self.add_round(&assessment);
         self.progress.assessment = Some(assessment);
         Ok(())
     }
@@ -133,19 +128,9 @@ impl Campaign {
 pub fn complete_outcomes(scene: &Scene, stored: &[StoredOutcome]) -> Vec<(Vec<f64>, ObservedOutcome)> {
     let responses = ResponseLayout::from_scene(scene);
     let complete = |stored: &StoredOutcome| {
-        let outcome = stored.outcome.clone().map(|observed| responses.complete(observed));
-        (stored.sample.clone(), outcome)
+        (stored.sample.clone(), stored.outcome.clone().map(|observed| responses.complete(observed)))
     };
     stored.iter().map(complete).collect()
-}
-
-/// Whether surrogates were fitted for the thresholds of a problem.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Thresholds {
-    /// For the same ones.
-    Same,
-    /// For other ones, so that the lengths are fitted again.
-    Others,
 }
 
 /// The campaign of a changed scene that begins with the results of a study of `studied`, with a budget of
@@ -199,9 +184,7 @@ pub fn learn_with_surrogates(
 ) -> Result<CampaignResult, StudyError> {
     let mut campaign = campaign_from_results(changed, studied, settings, stored, 0);
     if let Some((scene, surrogates)) = fitted.filter(|(_, all)| all.len() == changed.limit_states.len()) {
-        let same = changed.limit_states == scene.limit_states;
-        let thresholds = if same { Thresholds::Same } else { Thresholds::Others };
-        campaign = campaign.with_surrogates(surrogates, thresholds);
+        campaign = campaign.with_surrogates(surrogates, changed.limit_states != scene.limit_states);
     }
     let learned = campaign.learn_from(|_| unreachable!("a campaign without budget requests nothing"), |_| {});
     learned.map_err(|error| StudyError::from_campaign(error, changed))
@@ -216,8 +199,7 @@ pub fn result_of(
     started: Instant,
 ) -> StudyResult {
     let findings = curves_from_learning(scene, settings, learned);
-    let timing = Timing { total: started.elapsed().as_secs_f64(), ..Timing::default() };
-    findings.result(scene, timing, vec![])
+    findings.result(scene, Timing { total: started.elapsed().as_secs_f64(), ..Timing::default() }, vec![])
 }
 
 /// A question about a finished study that may ask for further simulations.
@@ -250,12 +232,13 @@ impl FurtherLearning<'_> {
         observer: &mut dyn Observer,
     ) -> Result<CampaignResult, StudyError> {
         let Self { changed, studied, settings, stored, further, correction } = *self;
-        let mut campaign = campaign_from_results(changed, studied, settings, stored, further);
+        let campaign = campaign_from_results(changed, studied, settings, stored, further);
+        let mut campaign = PairedCampaign::new(changed, campaign, 0);
         let stricter = Settings { method: Method::ActiveLearning, ..settings.clone() }.stricter(changed);
         Dispatcher::new(changed, stricter, stored.len() + further, evaluator, journal, observer)
-            .numbered_from(stored.len() as u64)
-            .corrected_by(correction)
+            .going_on(stored.len() as u64, correction)
             .run(&mut campaign)?;
-        Ok(campaign.finish().expect("a campaign that is done has a result"))
+        let (learned, _) = campaign.finish().expect("a campaign that is done has a result");
+        Ok(learned)
     }
 }

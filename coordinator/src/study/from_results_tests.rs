@@ -1,6 +1,6 @@
 //! Campaigns that begin with results, against the learning that gave the results and against the truth.
 
-use super::{Campaign, CampaignResult, Observed, ObservedOutcome, Plan, Problem, Settings, Step, Thresholds};
+use super::{Campaign, CampaignResult, Observed, ObservedOutcome, Plan, Problem, Settings, Step};
 use crate::statistics::design::InputModel;
 use crate::statistics::learning::{Mode, StoppingTargets};
 use common::failure::SimulationFailure;
@@ -126,7 +126,7 @@ fn surrogates_of_one_population_serve_another() {
     for (mean, std) in [(5.0, 0.5), (5.0, 1.0), (7.0, 0.3)] {
         let campaign =
             Campaign::with_results(problem(mean, std), plan(20_000, outcomes.len()), outcomes.clone());
-        let campaign = campaign.with_surrogates(&fitted, Thresholds::Same);
+        let campaign = campaign.with_surrogates(&fitted, false);
         let found = campaign.learn_from(|_| panic!("no budget is left"), |_| {}).unwrap();
         let alone = assessed(problem(mean, std), &outcomes);
         for (a, b) in found.reliability()[1].iter().zip(&alone.reliability()[1]) {

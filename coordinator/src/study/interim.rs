@@ -1,9 +1,7 @@
 //! The reliability during a study and at its end, as rows of the summary.
 
-use super::campaign::Campaign;
-use super::plan::Problem;
-use super::round::Assessment;
 use super::untested::Untested;
+use super::{Assessment, Campaign};
 use crate::results::reliability_summary::ErrorParts;
 use crate::results::summary::{PerLimitState, ReliabilityRange, ReliabilityRow, UntestedRow};
 use crate::statistics::reliability::{
@@ -120,7 +118,6 @@ impl Campaign {
         let probability = self.classified.condition.probability;
         let pf = |curve: &Vec<f64>| probability * curve.last().copied().unwrap_or(0.0);
         let pf: Vec<f64> = assessment.curves.iter().map(pf).collect();
-        let Problem { modes, inputs, .. } = &self.problem;
-        Untested::new(modes, &self.data.observations, inputs, &pf, self.plan.settings.initial)
+        Untested::new(&self.problem, &self.data.observations, &pf, self.plan.settings.initial)
     }
 }

@@ -1,10 +1,8 @@
 //! The part of a study that decides what is simulated. It runs in a thread of its own, where surrogates are fitted and the
 //! population is classified, so that the study goes on recording results and serving workers meanwhile.
 
-use super::campaign::Campaign;
 use super::interim::InterimResult;
-use super::observations::ObservedOutcome;
-use super::step::{CampaignError, Step};
+use super::{CampaignError, ObservedOutcome, Step};
 use crate::results::summary::Round;
 use std::sync::mpsc::{Receiver, Sender};
 use std::time::{Duration, Instant};
@@ -28,37 +26,6 @@ pub(super) trait Learner: Send {
     /// Indices of the limit states whose outputs were the same in every simulation so far.
     fn constant_limit_states(&self) -> Vec<usize> {
         vec![]
-    }
-}
-
-impl Learner for Campaign {
-    fn next_step(&mut self) -> Result<Step, CampaignError> {
-        Campaign::next_step(self)
-    }
-
-    fn record(&mut self, outcomes: Vec<ObservedOutcome>) -> Result<(), CampaignError> {
-        Campaign::record(self, outcomes)
-    }
-
-    fn rounds(&self) -> &[Round] {
-        Campaign::rounds(self)
-    }
-
-    fn purpose(&self) -> String {
-        match self.rounds().len() {
-            0 if self.evaluations() == 0 => "nominal point".to_owned(),
-            0 => "initial design".to_owned(),
-            round => format!("round {round}"),
-        }
-    }
-
-    fn interim(&self) -> Option<InterimResult> {
-        Campaign::interim(self)
-    }
-
-    fn constant_limit_states(&self) -> Vec<usize> {
-        let constant = |mode: &usize| self.data.observations.is_constant(self.problem.modes[*mode].output);
-        (0..self.problem.modes.len()).filter(constant).collect()
     }
 }
 
@@ -91,17 +58,17 @@ pub(super) fn run_learner(
     let mut reported = 0;
     loop {
         let started = Instant::now();
-        let next = learner.next_step().map(|step| LearnerStep {
-            step,
-            purpose: learner.purpose(),
-            rounds: learner.rounds()[reported..].to_vec(),
-            interim: if learner.rounds().len() > reported { learner.interim() } else { None },
-            constant: if reported == 0 && !learner.rounds().is_empty() {
-                learner.constant_limit_states()
-            } else {
-                vec![]
-            },
-            took: started.elapsed(),
+        let next = learner.next_step().map(|step| {
+            let rounds = learner.rounds()[reported..].to_vec();
+            let (has_news, is_first) = (!rounds.is_empty(), reported == 0);
+            LearnerStep {
+                step,
+                purpose: learner.purpose(),
+                rounds,
+                interim: if has_news { learner.interim() } else { None },
+                constant: if has_news && is_first { learner.constant_limit_states() } else { vec![] },
+                took: started.elapsed(),
+            }
         });
         reported = learner.rounds().len();
         let (ends, waits) = match &next {

@@ -5,6 +5,9 @@
 //! limit state watches has the deviation of that limit state, away from the middle of two thresholds on the side where it ends; any
 //! other output has one of its own, and the correlation lengths of the first limit state. Lives come from the running maxima, as those of the study; an output is predicted itself.
 //!
+//! What a study has learned, as plain numbers from which another program predicts failures: the means of the running maxima of every
+//! limit state over life, and how uncertain they are.
+//!
 //! # Source
 //! Straub, Papaioannou (2015), Bayesian updating with structural reliability methods, Journal of Engineering Mechanics
 //! 141(3), for likelihoods by a surrogate; the persistent deviation is this project's own, see `deviation.rs`.
@@ -13,11 +16,13 @@ use super::observations::Sides;
 use super::plan::ResponseLayout;
 use super::{CampaignResult, Surrogate};
 use crate::statistics::design::InputModel;
+use crate::statistics::learning::{Classification, Mode};
 use crate::statistics::reliability::{ErrorLine, Track};
-use crate::statistics::surrogate::Kriging;
+use crate::statistics::surrogate::{ExplicitMean, Kriging};
 use common::scene::{Fails, LimitState, Scene};
 use faer::{Mat, MatRef};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// Number of points predicted together.
 const BLOCK: usize = 512;
@@ -79,11 +84,11 @@ impl History {
     }
 
     /// The history of a distance from a middle by its two sides.
-    fn of_sides(surrogate: &Surrogate, sides: &Sides, inflation: f64) -> Self {
+    fn of_sides(surrogate: &Surrogate, sides: &Sides) -> Self {
         let mut model = surrogate.model.clone();
         let with_start = sides.with_start();
         model.set_sides(with_start.as_ref().unwrap_or(&sides.values).as_ref());
-        Self::of_model(model, with_start.is_some(), inflation)
+        Self::of_model(model, with_start.is_some(), surrogate.inflation())
     }
 
     fn of_model(model: Kriging, has_start: bool, inflation: f64) -> Self {
@@ -121,12 +126,12 @@ impl LifeModel {
     pub fn new(scene: &Scene, learned: &CampaignResult) -> Self {
         let surrogates = &learned.assessment.surrogates;
         let layout = ResponseLayout::from_scene(scene);
-        let mode = |(s, (mode, surrogate)): (usize, (&crate::statistics::learning::Mode, &Surrogate))| {
+        let mode = |(s, (mode, surrogate)): (usize, (&Mode, &Surrogate))| {
             let observations = learned.observations.design_of(s);
             let (values, start) =
                 (observations.running_maxima(mode.output), observations.starts(mode.output));
             let history = match observations.sides(mode.output) {
-                Some(sides) => History::of_sides(surrogate, &sides, surrogate.inflation()),
+                Some(sides) => History::of_sides(surrogate, &sides),
                 None => History::new(surrogate, &values, start, surrogate.inflation()),
             };
             ModeModel { history, threshold: surrogate.threshold.value }
@@ -192,8 +197,7 @@ impl LifeModel {
 
     /// Number of deviations of a point.
     pub fn deviations(&self) -> usize {
-        let own = self.outputs.iter().filter(|output| output.deviation >= self.modes.len()).count();
-        self.modes.len() + own
+        self.modes.len() + self.outputs.iter().filter(|output| output.deviation >= self.modes.len()).count()
     }
 
     /// Earliest life at which an output is known [cycles].
@@ -299,4 +303,77 @@ fn own_inflation(surrogate: &Surrogate, values: &Mat<f64>) -> f64 {
     let all = model.leave_one_out(values.as_ref());
     let mean = all.iter().map(|l| l.variance_ratio).sum::<f64>() / all.len().max(1) as f64;
     if mean.is_finite() { mean.max(1.0) } else { 1.0 }
+}
+
+/// Most weights of all limit states: about 800 kB as text.
+const MOST_WEIGHTS: usize = 40_000;
+
+/// Points of the population by which the variance is described.
+const POINTS: usize = 2000;
+
+/// Limit states by plain numbers.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ExplicitModel {
+    /// Smallest and largest simulated value of each random variable `(d,)` [SI].
+    pub simulated: Vec<(f64, f64)>,
+    /// Limit states in the order of the scene.
+    pub limit_states: Vec<ExplicitLimitState>,
+}
+
+/// One limit state by plain numbers: it fails when a response reaches the threshold.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ExplicitLimitState {
+    /// Times of the responses, increasing; 0 for the start of life `(m,)` [cycles].
+    pub times: Vec<f64>,
+    /// Responses at these times: `m` of them, or `2 m` of two sides, the first side first.
+    pub mean: ExplicitMean,
+    /// Predicted standard deviations where the variance factor is 1 `(m,)` [unit of the output].
+    pub std: Vec<f64>,
+    /// Variance factor over the squared norm of the scaled point [1]: the proportion of least squares over the population.
+    pub variance: f64,
+    /// Threshold of the response [unit of the output].
+    pub threshold: f64,
+    /// True if the output has so few values that another threshold would need another fit.
+    pub is_coarse: bool,
+}
+
+impl ExplicitModel {
+    /// The limit states of a campaign, of many simulations at fewer times.
+    pub(super) fn new(scene: &Scene, learned: &CampaignResult) -> Self {
+        let model = LifeModel::new(scene, learned);
+        let weights = |h: &History| h.model.points() * h.model.sides() * h.scale.len();
+        let step = 1 + model.modes.iter().map(|mode| weights(&mode.history)).sum::<usize>() / MOST_WEIGHTS;
+        let population = &learned.classified.population;
+        let points = population.columns(0..population.len().min(POINTS));
+        let modes = model.modes.iter().zip(&learned.assessment.modes).zip(&learned.assessment.surrogates);
+        let limit_state = |((mode, classified), surrogate): ((&ModeModel, &Classification), &Surrogate)| {
+            let history = &mode.history;
+            let all = history.scale.len();
+            // The end of life is among them.
+            let kept = || (0..all).filter(move |n| (all - 1 - n).is_multiple_of(step));
+            let mut times = model.times.clone();
+            times.splice(0..0, history.has_start.then_some(0.0));
+            let outputs: Vec<usize> =
+                (0..history.model.sides()).flat_map(|side| kept().map(move |n| side * all + n)).collect();
+            let mean = history.model.explicit_mean(&outputs);
+            let norm = |point: faer::ColRef<'_, f64>| -> f64 {
+                point.iter().zip(&mean.factors).map(|(z, factor)| (z * factor).powi(2)).sum()
+            };
+            let norms: Vec<f64> = points.col_iter().map(norm).collect();
+            let products = norms.iter().zip(&classified.variance_factor).map(|(norm, factor)| norm * factor);
+            let squares = norms.iter().map(|norm| norm * norm).sum::<f64>();
+            ExplicitLimitState {
+                times: kept().map(|n| times[n]).collect(),
+                std: kept().map(|n| history.scale[n]).collect(),
+                variance: products.sum::<f64>() / squares.max(f64::MIN_POSITIVE),
+                mean,
+                threshold: mode.threshold,
+                is_coarse: surrogate.threshold.jump > 0.0,
+            }
+        };
+        Self {
+            simulated: (0..scene.variables.len()).map(|k| model.simulated_range(k)).collect(),
+            limit_states: modes.map(limit_state).collect(),
+        }
+    }
 }

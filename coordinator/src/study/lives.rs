@@ -2,8 +2,7 @@
 //! rows in the summary.
 
 use super::interim::InterimResult;
-use super::observations::Observed;
-use super::{CampaignResult, Method, Problem};
+use super::{CampaignResult, Method, Observed, Problem};
 use crate::results::life_summary::{CyclesRange, LifeCurveRow, LifeRow, UnresolvedFall};
 use crate::results::summary::StudySummary;
 use crate::statistics::learning::Mode;
@@ -58,22 +57,18 @@ pub(super) fn learned_lives(modes: &[Mode], checkpoints: &[u32], learned: &Campa
     });
     let parts: Vec<_> = parts.collect();
     let assessed = learned.assessment.modes.iter().zip(&learned.assessment.surrogates);
-    let modes: Vec<PredictedMode<'_>> = parts
-        .iter()
-        .zip(assessed)
-        .enumerate()
-        .map(|(index, ((model, values, errors), (classified, surrogate)))| PredictedMode {
-            index,
-            model,
-            inflation: surrogate.inflation(),
-            values: values.as_ref(),
-            errors: errors.as_ref(),
-            threshold: classified.threshold,
-            first_failure: &classified.first_failure,
-            variance_factor: if as_published { &[] } else { &classified.variance_factor },
-        })
-        .collect();
-    population_lives(&modes, &learned.classified.population, &times(checkpoints))
+    let modes = parts.iter().zip(assessed).enumerate();
+    let modes = modes.map(|(index, ((model, values, errors), (classified, surrogate)))| PredictedMode {
+        index,
+        model,
+        inflation: surrogate.inflation(),
+        values: values.as_ref(),
+        errors: errors.as_ref(),
+        threshold: classified.threshold,
+        first_failure: &classified.first_failure,
+        variance_factor: if as_published { &[] } else { &classified.variance_factor },
+    });
+    population_lives(&modes.collect::<Vec<_>>(), &learned.classified.population, &times(checkpoints))
 }
 
 /// Adds the lives of one simulation, and the indices of the checkpoints by which it has failed `(modes + 1)`, the system last; m if
@@ -130,36 +125,26 @@ pub(super) fn add_lives(
     let possible = |c: usize, time: f64| shares.untested.possible(c, 1.0 - system.lower_at(time));
     let bounded = |c: usize| curve(c).with_possible(|time| possible(c, time).unwrap_or(0.0));
     let curves: Vec<LifeCurve> = (0..names.len()).map(bounded).collect();
-    let row = |(name, curve): (&String, &LifeCurve)| LEVELS.map(|level| life_row(name, curve, level));
-    summary.lives = names.iter().zip(&curves).flat_map(row).collect();
+    let row = |name: &String, curve: &LifeCurve, level: f64| {
+        let LifeAtLevel { life: cycles, lower, upper } = curve.life_at(level);
+        let (limit_state, interval) = (name.clone(), CyclesRange { lower, upper });
+        LifeRow { limit_state, reliability: level, cycles, interval, with_numerical_error: None }
+    };
+    let rows = |(name, curve): (&String, &LifeCurve)| LEVELS.map(|level| row(name, curve, level));
+    summary.lives = names.iter().zip(&curves).flat_map(rows).collect();
     let of_system = &summary.lives[summary.lives.len() - LEVELS.len()..];
     let total = curves.last();
     summary.unresolved_fall = total.and_then(|total| unresolved_fall(total, shares, checkpoints, of_system));
-    let rows = names.iter().zip(curves).map(|(name, curve)| curve_row(name, curve));
-    summary.curves = rows.collect();
-}
-
-fn life_row(name: &str, curve: &LifeCurve, level: f64) -> LifeRow {
-    let LifeAtLevel { life, lower, upper } = curve.life_at(level);
-    LifeRow {
-        limit_state: name.to_owned(),
-        reliability: level,
-        cycles: life,
-        interval: CyclesRange { lower, upper },
-        with_numerical_error: None,
-    }
-}
-
-fn curve_row(name: &str, curve: LifeCurve) -> LifeCurveRow {
-    LifeCurveRow {
-        limit_state: name.to_owned(),
+    let curve_row = |(name, curve): (&String, LifeCurve)| LifeCurveRow {
+        limit_state: name.clone(),
         cycles: curve.cycles,
         reliability: curve.reliability,
         lower: curve.lower,
         upper: curve.upper,
         numerical_lower: vec![],
         numerical_upper: vec![],
-    }
+    };
+    summary.curves = names.iter().zip(curves).map(curve_row).collect();
 }
 
 /// The interval in which R of the system falls from above 0.9 to below 0.1, or in which a life is bounded but not resolved.

@@ -14,6 +14,7 @@ use super::observations::ObservedOutcome;
 use super::result::{Findings, blank, failures};
 use super::round::largest_change;
 use super::untested::Untested;
+
 use super::{CampaignError, Method, Problem, SampleRequest, SettingError, Settings, Step, StudyError};
 use crate::results::summary::{Convergence, EvaluationCounts, Round, StudySummary};
 use crate::statistics::design::Population;
@@ -116,19 +117,13 @@ impl<'a> DirectSimulation<'a> {
     pub fn findings(self, scene: &Scene, settings: &Settings) -> Result<Findings, StudyError> {
         let samples = self.population.len();
         let Some(shares) = self.interim() else {
-            let error = SettingError {
-                key: "samples",
-                value: samples.to_string(),
-                allowed: "none of these simulations gave a result".to_owned(),
-            };
-            return Err(error.into());
+            let (value, allowed) =
+                (samples.to_string(), "none of these simulations gave a result".to_owned());
+            return Err(SettingError { key: "samples", value, allowed }.into());
         };
         let m = self.problem.checkpoints.len();
         let grid: Vec<usize> = undecided(&shares.failed);
         let sampled = Sampled { population: &self.population, points: &self.points, probability: 1.0 };
-        let distributions = |all: &Vec<Vec<f64>>| {
-            distributions_from_samples(&all.iter().map(Vec::as_slice).collect::<Vec<_>>())
-        };
         let modes = self.problem.modes.len();
         Ok(Findings {
             summary: StudySummary {
@@ -150,7 +145,7 @@ impl<'a> DirectSimulation<'a> {
             },
             shares,
             lives: self.lives,
-            distributions: self.histories.iter().map(distributions).collect(),
+            distributions: self.histories.iter().map(|all| distributions_from_samples(all)).collect(),
             derivatives: sensitivities(&sampled, &self.first_failures, &grid, m),
             explicit: None,
         })
@@ -163,8 +158,7 @@ impl Learner for DirectSimulation<'_> {
             // The nominal point is simulated for its first cycle; it is no sample of the population and is
             // not counted.
             self.chunks.push_back(0..0);
-            let sample = self.problem.inputs.means();
-            return Ok(Step::Evaluate(vec![SampleRequest::new(sample)]));
+            return Ok(Step::Evaluate(vec![SampleRequest::new(self.problem.inputs.means())]));
         }
         if self.recorded == 0 {
             return Ok(Step::Wait);
@@ -224,14 +218,9 @@ impl Learner for DirectSimulation<'_> {
 
     fn interim(&self) -> Option<InterimResult> {
         let failed = self.curves.clone()?;
-        Some(InterimResult {
-            failed,
-            points: self.points.len(),
-            missing: self.missing(),
-            surrogate: vec![],
-            condition: Condition::NONE,
-            untested: Untested::default(),
-        })
+        let (points, missing, untested) = (self.points.len(), self.missing(), Untested::default());
+        let (surrogate, condition) = (vec![], Condition::NONE);
+        Some(InterimResult { failed, points, missing, surrogate, condition, untested })
     }
 }
 

@@ -266,19 +266,13 @@ impl Observations {
             let history: Vec<f64> = result.histories[output].iter().map(distance).collect();
             (result.start[output].as_ref().map(distance), history)
         };
+        let both = |result: &Observed| signs.map(|sign| side(result, sign)).into_iter();
         let values_of = |result: &Observed| {
-            let one = |sign| {
-                let (start, history) = side(result, sign);
-                running_maximum(start, &history)
-            };
-            signs.into_iter().flat_map(one).collect()
+            both(result).flat_map(|(start, history)| running_maximum(start, &history)).collect()
         };
         let errors_of = |result: &Observed| {
-            let one = |sign| {
-                let (start, history) = side(result, sign);
-                errors_of_maximum(start, &history, &result.errors[output])
-            };
-            signs.into_iter().flat_map(one).collect()
+            let errors = &result.errors[output];
+            both(result).flat_map(|(start, history)| errors_of_maximum(start, &history, errors)).collect()
         };
         let starts = |sign: f64| self.results.iter().map(|result| side(result, sign).0).collect();
         let [first, second]: [Option<Vec<f64>>; 2] = signs.map(starts);

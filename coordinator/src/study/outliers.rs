@@ -7,7 +7,7 @@
 //! values count as a property of the response.
 
 use super::observations::ObservedOutcome;
-use crate::farm::evaluate::agreement::agree;
+use crate::farm::evaluate::agree;
 use crate::results::outlier_summary::{OutlierEvaluation, OutlierRow};
 use common::failure::SimulationFailure;
 use common::scene::Scene;
@@ -55,10 +55,9 @@ impl Outlier {
         let used = agreed(&self.evaluations, exact).map(|k| &self.evaluations[k]);
         let evaluation = |(outcome, worker): (&ObservedOutcome, String)| {
             let observed = outcome.as_ref().ok();
+            let source = observed.and_then(|observed| observed.source.as_ref());
             OutlierEvaluation {
-                number: observed
-                    .and_then(|observed| observed.source.as_ref())
-                    .map(|source| source.evaluation),
+                number: source.map(|source| source.evaluation),
                 worker,
                 value: observed.map(|observed| {
                     let value = observed.histories[limit.output][self.checkpoint];

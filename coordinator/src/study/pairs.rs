@@ -14,13 +14,11 @@
 //! Own; the pairs in the place of further levels of learning as in Chaudhuri, Marques, Willcox (2021), mfEGRA: Multifidelity efficient global
 //! reliability analysis through active learning for failure boundary location, Structural and Multidisciplinary Optimization 64.
 
-use super::CampaignResult;
-use super::campaign::Campaign;
-use super::correction::{Correction, LevelFigures, LevelPair, PairedModel};
+use super::correction::{Correction, LevelFigures, LevelPair, PairedModel, PairsResult};
 use super::interim::InterimResult;
 use super::learner::Learner;
-use super::observations::{Observed, ObservedOutcome};
-use super::pairs_result::PairsResult;
+use super::{Campaign, CampaignResult, Observed, ObservedOutcome};
+
 use super::plan::ResponseLayout;
 use super::step::{CampaignError, SampleRequest, Step, StopReason};
 use crate::results::summary::Round;
@@ -52,6 +50,14 @@ struct PairedPoint {
     finer: [Option<Observed>; 2],
     /// True for the second and the third level once it was requested.
     requested: [bool; 2],
+}
+
+impl PairedPoint {
+    /// A sample with its outcome, if that is a result.
+    fn new(sample: &[f64], outcome: &ObservedOutcome) -> Option<Self> {
+        let (sample, observed) = (sample.to_vec(), outcome.as_ref().ok()?.clone());
+        Some(Self { sample, observed, finer: [None, None], requested: [false; 2] })
+    }
 }
 
 /// A request of the pairs: index of the simulation, level.
@@ -106,11 +112,8 @@ impl<'a> PairedCampaign<'a> {
         level: u8,
     ) -> Self {
         let paired = Self::new(scene, campaign, 1);
-        let point = |(sample, outcome): &(Vec<f64>, ObservedOutcome)| {
-            let observed = outcome.as_ref().ok()?.clone();
-            Some(PairedPoint { sample: sample.clone(), observed, finer: [None, None], requested: [false; 2] })
-        };
-        let simulated = results.iter().filter_map(point).collect();
+        let simulated =
+            results.iter().filter_map(|(sample, outcome)| PairedPoint::new(sample, outcome)).collect();
         Self { target: PairedModel::Variant, before: level - 1, simulated, ..paired }
     }
 
@@ -164,9 +167,7 @@ impl<'a> PairedCampaign<'a> {
         let free: Vec<usize> = (0..self.simulated.len()).filter(|i| is_free(&self.simulated[*i])).collect();
         let inputs = &self.campaign.problem.inputs;
         let z: Vec<Vec<f64>> = self.simulated.iter().map(|one| inputs.standardise(&one.sample)).collect();
-        let mut chosen: Vec<usize> =
-            free.iter().copied().take(usize::from(free.first() == Some(&0))).collect();
-        let rest: Vec<usize> = free.iter().copied().filter(|i| !chosen.contains(i)).collect();
+        let (mut chosen, rest): (Vec<usize>, Vec<usize>) = free.into_iter().partition(|i| *i == 0);
         let points: Vec<&[f64]> = rest.iter().map(|i| z[*i].as_slice()).collect();
         let nearness = self.nearness();
         let weights: Vec<f64> = rest.iter().map(|i| nearness[*i]).collect();
@@ -198,13 +199,9 @@ impl<'a> PairedCampaign<'a> {
     /// The correction by the pairs so far.
     fn current(&self) -> Option<Correction> {
         let pair = |one: &PairedPoint| {
-            let [finer, finest] = one.finer.clone();
-            Some(LevelPair {
-                sample: one.sample.clone(),
-                working: one.observed.clone(),
-                finer: finer?,
-                finest,
-            })
+            let ([finer, finest], sample, working) =
+                (one.finer.clone(), one.sample.clone(), one.observed.clone());
+            Some(LevelPair { sample, working, finer: finer?, finest })
         };
         let pairs: Vec<LevelPair> = self.simulated.iter().filter_map(pair).collect();
         Correction::new(&pairs, self.scene.outputs.len(), self.target)
@@ -214,9 +211,8 @@ impl<'a> PairedCampaign<'a> {
     /// if they need not be reduced.
     fn scatter_to_reduce(&self, correction: &Correction) -> Option<[f64; 2]> {
         let assessment = self.campaign.assessment()?;
-        let of_surrogates = assessment.combined_errors();
-        let of_surrogates =
-            REACH * of_surrogates.iter().flatten().map(|(_, error)| *error).fold(0.0, f64::max);
+        let errors = assessment.combined_errors();
+        let of_surrogates = REACH * errors.iter().flatten().map(|(_, error)| *error).fold(0.0, f64::max);
         let points = self.campaign.classified.population.len();
         // Half the share of the population whose failure depends on the sign of the reaches, at the worst checkpoint.
         let moved = |part: fn(&LevelFigures) -> f64| {
@@ -243,8 +239,7 @@ impl<'a> PairedCampaign<'a> {
         };
         let reaches = [|one: &LevelFigures| one.of_pairs, |one: &LevelFigures| one.of_thirds].map(moved);
         let numerical = reaches[0].hypot(reaches[1]);
-        let of_samples = REACH * (0.25 / points as f64).sqrt();
-        let whole = numerical.hypot(of_surrogates).hypot(of_samples);
+        let whole = numerical.hypot(of_surrogates).hypot(REACH * (0.25 / points as f64).sqrt());
         let target = self.campaign.plan.settings.target_error;
         let is_enough = numerical <= of_surrogates || target.is_some_and(|target| whole <= target);
         (!is_enough).then_some(reaches.map(|reach| reach * reach))
@@ -263,12 +258,11 @@ impl<'a> PairedCampaign<'a> {
         data.observations.change(|z, one| responses.complete(corrected(z, one)));
         campaign.surrogates.reset_population();
         campaign.surrogates.require_fit();
-        campaign.progress.stopping.reset();
+        campaign.progress.stopping.reset(false);
         let (assessment, _) = campaign.assess_until_fresh()?;
         // The correction itself moves the curves; no round does.
         let met = campaign.plan.targets.met(&Figures { change: Some(0.0), ..assessment.figures });
-        let cov = campaign.classified.coefficient_of_variation(assessment.governing_failed());
-        campaign.add_round(&assessment, cov);
+        campaign.add_round(&assessment);
         campaign.progress.assessment = Some(assessment);
         if met.is_none() && matches!(campaign.progress.stop, Some(StopReason::Rule(_))) {
             campaign.progress.stop = None;
@@ -308,9 +302,9 @@ impl Learner for PairedCampaign<'_> {
                     ..SampleRequest::new(self.simulated[*i].sample.clone())
                 };
                 let requests = self.requested.iter().map(request).collect();
-                self.requested
-                    .iter()
-                    .for_each(|(i, level)| self.simulated[*i].requested[usize::from(*level) - 1] = true);
+                for (i, level) in &self.requested {
+                    self.simulated[*i].requested[usize::from(*level) - 1] = true;
+                }
                 return Ok(Step::Evaluate(requests));
             }
             self.has_ended = true;
@@ -330,11 +324,7 @@ impl Learner for PairedCampaign<'_> {
         let repeated = known.contains(&true);
         let new = samples.iter().zip(&outcomes).zip(known);
         let results = new.filter(|(_, known)| !*known).map(|(result, _)| result);
-        let simulated = results.filter_map(|(sample, outcome)| {
-            let (sample, observed) = (sample.clone(), outcome.as_ref().ok()?.clone());
-            Some(PairedPoint { sample, observed, finer: [None, None], requested: [false; 2] })
-        });
-        self.simulated.extend(simulated);
+        self.simulated.extend(results.filter_map(|(sample, outcome)| PairedPoint::new(sample, outcome)));
         let Self { correction, responses, .. } = &*self;
         let corrected = |sample: &[f64], observed: Observed| match correction {
             Some(correction) => responses.complete(correction.correct(sample, observed)),
@@ -346,8 +336,7 @@ impl Learner for PairedCampaign<'_> {
         if repeated && self.correction.is_none() {
             let Campaign { problem, data, .. } = &self.campaign;
             for one in &mut self.simulated {
-                let z = problem.inputs.standardise(&one.sample);
-                if let Some(used) = data.observations.result_at(&z) {
+                if let Some(used) = data.observations.result_at(&problem.inputs.standardise(&one.sample)) {
                     one.observed = used.clone();
                 }
             }
@@ -356,18 +345,25 @@ impl Learner for PairedCampaign<'_> {
     }
 
     fn rounds(&self) -> &[Round] {
-        Campaign::rounds(&self.campaign)
+        self.campaign.rounds()
     }
 
     fn purpose(&self) -> String {
-        if self.requested.is_empty() { self.campaign.purpose() } else { "finer levels".to_owned() }
+        match self.campaign.rounds().len() {
+            _ if !self.requested.is_empty() => "finer levels".to_owned(),
+            0 if self.campaign.evaluations() == 0 => "nominal point".to_owned(),
+            0 => "initial design".to_owned(),
+            round => format!("round {round}"),
+        }
     }
 
     fn interim(&self) -> Option<InterimResult> {
-        Learner::interim(&self.campaign)
+        self.campaign.interim()
     }
 
     fn constant_limit_states(&self) -> Vec<usize> {
-        self.campaign.constant_limit_states()
+        let Campaign { problem, data, .. } = &self.campaign;
+        let constant = |mode: &usize| data.observations.is_constant(problem.modes[*mode].output);
+        (0..problem.modes.len()).filter(constant).collect()
     }
 }

@@ -23,7 +23,7 @@
 use super::surrogates::Surrogate;
 use crate::statistics::design::Population;
 use crate::statistics::learning::UNCERTAIN;
-use crate::statistics::reliability::{Condition, ImportanceSampling, Subset, SubsetSimulation};
+use crate::statistics::reliability::{Condition, ImportanceSampling, Responses, Subset, SubsetSimulation};
 use faer::MatRef;
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -89,7 +89,7 @@ fn conditional_samples(
     variables: usize,
     samples: usize,
     rng: &mut impl Rng,
-    respond: &dyn Fn(&[f64]) -> Vec<f64>,
+    respond: &Responses<'_>,
 ) -> Subset {
     let search = SubsetSimulation { variables, samples: SEARCH, most_levels: LEVELS }.run(rng, respond);
     let sampled = search.levels.last().and_then(|last| {

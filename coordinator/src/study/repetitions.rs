@@ -1,12 +1,9 @@
 //! The further evaluations of outliers within a campaign of learning.
 
-use super::Campaign;
-use super::observations::ObservedOutcome;
 use super::outliers::{ENOUGH, Outlier, agreed, decided};
 use super::requests::PendingSample;
-use super::round::Assessment;
-use super::step::Step;
 use super::surrogates::SurrogateState;
+use super::{Assessment, Campaign, ObservedOutcome, Step};
 
 impl Campaign {
     /// Notes the outliers of an assessment that have not been evaluated again, the farthest first, as far as the budget allows; true if there
@@ -72,11 +69,10 @@ impl Campaign {
             return;
         }
         let output = self.problem.modes[outlier.mode].output;
-        let values: Vec<f64> = outlier
-            .evaluations
-            .iter()
-            .map(|one| one.as_ref().map_or(f64::NAN, |one| one.running_maximum(output)[outlier.checkpoint]))
-            .collect();
+        let value = |one: &ObservedOutcome| {
+            one.as_ref().map_or(f64::NAN, |one| one.running_maximum(output)[outlier.checkpoint])
+        };
+        let values: Vec<f64> = outlier.evaluations.iter().map(value).collect();
         tracing::warn!(
             "an outlier by worker {worker} is left out: {} further evaluations contradict it (values {values:?} in SI, the outlier first)",
             values.len() - 1
@@ -89,7 +85,7 @@ impl Campaign {
             }
         }
         self.surrogates = SurrogateState::new(self.problem.modes.len());
-        self.progress.stopping.reset();
+        self.progress.stopping.reset(false);
         self.classified.require_another_draw();
     }
 }

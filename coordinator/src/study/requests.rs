@@ -1,14 +1,13 @@
 //! The simulations a campaign has requested: which are under way, which are repeated after a failure, and how
 //! many count against the budget.
 
-use super::classified_population::ClassifiedPopulation;
-use super::step::{SampleRequest, Step};
+use super::{ClassifiedPopulation, SampleRequest, Step};
 use crate::statistics::design::{InputModel, Population};
 use common::failure::SimulationFailure;
 use std::collections::{HashSet, VecDeque};
 
 /// A requested simulation.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct PendingSample {
     /// Standardised point `(d,)` [1].
     pub z: Vec<f64>,
@@ -41,15 +40,7 @@ impl PendingSample {
 
     /// The standardised point `z` `(d,)` [1], which is none of the population.
     pub fn at(z: Vec<f64>, inputs: &InputModel) -> Self {
-        Self {
-            sample: inputs.to_physical(&z),
-            z,
-            member: None,
-            stricter: false,
-            exploring: false,
-            mode: None,
-            not_by: vec![],
-        }
+        Self { sample: inputs.to_physical(&z), z, ..Self::default() }
     }
 }
 
@@ -101,9 +92,8 @@ impl Requests {
             let copies = (0..population.len()).filter(|i| population.standardised(*i) == z);
             copies.for_each(|i| self.requested[i] = true);
         }
-        let (z, sample) = (population.standardised(j).to_vec(), population.physical(j));
-        let not_by = vec![];
-        PendingSample { z, sample, member: Some(j), stricter: false, exploring: false, mode: None, not_by }
+        let z = population.standardised(j).to_vec();
+        PendingSample { member: Some(j), ..PendingSample::at(z, population.inputs()) }
     }
 
     /// Registers a chunk as under way and returns the step that requests it.
@@ -178,7 +168,7 @@ mod tests {
         assert_eq!((0..30).filter(|j| requests.requested[*j]).collect::<Vec<_>>(), [3]);
         // Chains repeat points: the third is a known one, the others are two copies of a new one.
         let (known, new) = (population.standardised(3).to_vec(), vec![5.0, 1.0]);
-        let chains = population.with_points([&new[..], &new, &known].concat());
+        let chains = population.with_descendants([&new[..], &new, &known].concat(), vec![]);
         requests.mark_known(&chains);
         assert_eq!(requests.requested, [false, false, true]);
         let mut chains = ClassifiedPopulation::new(chains);

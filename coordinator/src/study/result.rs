@@ -6,7 +6,9 @@ use super::lives::{add_lives, learned_lives};
 use super::plan::ResponseLayout;
 use super::stopped::{stop_in_words, targets_met};
 use super::surrogate_rows::{predictions, simulations_beyond_a_limit, sobol};
-use super::{CampaignResult, ClassifiedPopulation, ExplicitModel, Failed, Settings, StopReason, Surrogate};
+use super::{
+    CampaignResult, ClassifiedPopulation, ExplicitModel, Failed, Outlier, Settings, StopReason, Surrogate,
+};
 use crate::results::scene_summary::{limit_rows, unit_rows, variable_rows};
 use crate::results::summary::{
     ConditionRow, Convergence, EvaluationCounts, FailureRow, Failures, FirstFailureRow, MomentsRow,
@@ -14,9 +16,7 @@ use crate::results::summary::{
     Timing, WorkerShare,
 };
 use crate::statistics::design::InputModel;
-use crate::statistics::reliability::{
-    Condition, LifeCounts, NumericalBand, OutputDistribution, predict_distributions,
-};
+use crate::statistics::reliability::{LifeCounts, OutputDistribution, predict_distributions};
 use crate::statistics::sensitivity::{Sampled, Sensitivity, sensitivities};
 use common::scene::{LimitState, Output, Scene};
 use std::collections::BTreeMap;
@@ -63,8 +63,7 @@ pub(super) struct Findings {
 
 /// Names of the curves: the limit states, in the scene's order, and the system.
 pub(super) fn curve_names(scene: &Scene) -> Vec<String> {
-    let limits = scene.limit_states.iter().map(|limit| limit.name.clone());
-    limits.chain(["total".to_owned()]).collect()
+    scene.limit_states.iter().map(|limit| limit.name.clone()).chain(["total".to_owned()]).collect()
 }
 
 /// The summary of a study without results: what scene and settings determine.
@@ -93,14 +92,11 @@ pub fn blank(scene: &Scene, settings: &Settings) -> StudySummary {
 
 /// The findings of active learning as far as reliability, lives and first failures need them.
 pub(super) fn curves_from_learning(scene: &Scene, settings: &Settings, learned: &CampaignResult) -> Findings {
-    let assessment = &learned.assessment;
+    let inputs = learned.classified.population.inputs();
+    let surrogates = scene.limit_states.iter().zip(&learned.assessment.surrogates);
+    let outlier = |outlier: &Outlier| outlier.row(scene, scene.simulator.is_none());
     let summary = StudySummary {
-        failures: failures(
-            scene,
-            learned.classified.population.inputs(),
-            &learned.failed,
-            learned.shares.missing,
-        ),
+        failures: failures(scene, inputs, &learned.failed, learned.shares.missing),
         evaluations: EvaluationCounts {
             total: learned.evaluations,
             initial: settings.initial.min(learned.evaluations),
@@ -114,12 +110,8 @@ pub(super) fn curves_from_learning(scene: &Scene, settings: &Settings, learned: 
             rounds: learned.rounds.clone(),
         },
         simulations_beyond_a_limit: Some(simulations_beyond_a_limit(scene, learned)),
-        surrogates: scene.limit_states.iter().zip(&assessment.surrogates).map(surrogate_row).collect(),
-        outliers: learned
-            .outliers
-            .iter()
-            .map(|outlier| outlier.row(scene, scene.simulator.is_none()))
-            .collect(),
+        surrogates: surrogates.map(surrogate_row).collect(),
+        outliers: learned.outliers.iter().map(outlier).collect(),
         ..blank(scene, settings)
     };
     Findings {
@@ -134,7 +126,7 @@ pub(super) fn curves_from_learning(scene: &Scene, settings: &Settings, learned: 
 
 /// The findings of active learning, everything that a summary contains.
 pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &CampaignResult) -> Findings {
-    let Findings { shares, lives, summary, .. } = curves_from_learning(scene, settings, learned);
+    let curves = curves_from_learning(scene, settings, learned);
     let assessment = &learned.assessment;
     let ClassifiedPopulation { population, condition, .. } = &learned.classified;
     let first_failures = assessment.first_failures();
@@ -142,8 +134,6 @@ pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &Campai
     let sampled = Sampled { population, points: &points, probability: condition.probability };
     let m = scene.life.checkpoints().len();
     Findings {
-        shares,
-        lives,
         distributions: output_distributions(scene, learned),
         derivatives: sensitivities(&sampled, &first_failures, &assessment.grid, m),
         explicit: Some(ExplicitModel::new(scene, learned)),
@@ -151,8 +141,9 @@ pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &Campai
             failure_points: failure_points(scene, &sampled, &first_failures[..scene.limit_states.len()]),
             sobol: sobol(scene, learned),
             predictions: predictions(scene, learned),
-            ..summary
+            ..curves.summary
         },
+        ..curves
     }
 }
 
@@ -168,7 +159,7 @@ fn surrogate_row((limit, surrogate): (&LimitState, &Surrogate)) -> SurrogateRow 
         kernel: correlation.kernel.name().to_owned(),
         trend: surrogate.model.trend().name().to_owned(),
         different_values: surrogate.threshold.coarse,
-        separate_would_gain: surrogate.sharing.map(|sharing| sharing.separate_would_gain),
+        separate_would_gain: surrogate.separate_would_gain,
         share_of_stated_error: surrogate.share_of_stated,
         noise_share: Some(surrogate.noise_share),
         outlier: surrogate.outlier(),
@@ -178,14 +169,13 @@ fn surrogate_row((limit, surrogate): (&LimitState, &Surrogate)) -> SurrogateRow 
 /// Distributions of the outputs themselves (not their running maxima), with the lengths of the first limit state that
 /// watches each; an output no limit state watches uses those of the first limit state.
 fn output_distributions(scene: &Scene, learned: &CampaignResult) -> Vec<Vec<OutputDistribution>> {
-    (0..scene.outputs.len())
-        .map(|output| {
-            let mode = scene.limit_states.iter().position(|limit| limit.output == output).unwrap_or(0);
-            let mut model = learned.assessment.surrogates[mode].model.clone();
-            model.set_values(learned.observations.design_of(mode).values(output).as_ref());
-            predict_distributions(&model, learned.classified.unconditional())
-        })
-        .collect()
+    let of_output = |output: usize| {
+        let mode = scene.limit_states.iter().position(|limit| limit.output == output).unwrap_or(0);
+        let mut model = learned.assessment.surrogates[mode].model.clone();
+        model.set_values(learned.observations.design_of(mode).values(output).as_ref());
+        predict_distributions(&model, learned.classified.unconditional())
+    };
+    (0..scene.outputs.len()).map(of_output).collect()
 }
 
 impl Findings {
@@ -196,9 +186,11 @@ impl Findings {
         let limits = &names[..scene.limit_states.len()];
         let condition = &self.shares.condition;
         let first_failures = self.lives.first_failure_shares();
-        let first_failure =
-            |(n, cycles): (usize, &u32)| first_failure(limits, &first_failures, condition, *cycles, n);
-        let numerical = self.lives.numerical_band();
+        let first_failure = |(n, cycles): (usize, &u32)| {
+            let share = |curve: &Vec<f64>| condition.probability * curve[n];
+            let first = limits.iter().cloned().zip(first_failures.iter().map(share)).collect();
+            FirstFailureRow { cycles: *cycles, together: share(&first_failures[limits.len()]), first }
+        };
         let has_moments = !self.distributions.is_empty();
         let moments = |(n, cycles): (usize, &u32)| moments(scene, &self.distributions, *cycles, n);
         let derivatives = self.derivatives.iter();
@@ -209,7 +201,7 @@ impl Findings {
                 coefficient_of_variation: condition.cov,
                 levels: condition.levels,
             }),
-            reliability: self.reliability(&numerical, &names, &cycles),
+            reliability: self.reliability(&names, &cycles),
             first_failure: cycles.iter().enumerate().map(first_failure).collect(),
             untested: self.shares.untested_row(&names),
             moments: cycles.iter().enumerate().filter(|_| has_moments).map(moments).collect(),
@@ -229,41 +221,17 @@ impl Findings {
     }
 
     /// R(n) of every curve with its interval, the numerical error included.
-    fn reliability(
-        &self,
-        numerical: &NumericalBand,
-        names: &[String],
-        cycles: &[u32],
-    ) -> Vec<ReliabilityRow> {
-        let mut rows = self.shares.rows(names, cycles);
+    fn reliability(&self, names: &[String], cycles: &[u32]) -> Vec<ReliabilityRow> {
+        let (mut rows, numerical) = (self.shares.rows(names, cycles), self.lives.numerical_band());
         let probability = self.shares.condition.probability;
         for (n, row) in rows.iter_mut().enumerate() {
             for (c, name) in names.iter().enumerate() {
-                let range = ReliabilityRange {
-                    lower: 1.0 - probability * numerical.most[c][n],
-                    upper: 1.0 - probability * numerical.least[c][n],
-                };
-                row.add_numerical(name, range);
+                let [lower, upper] =
+                    [&numerical.most, &numerical.least].map(|all| 1.0 - probability * all[c][n]);
+                row.add_numerical(name, ReliabilityRange { lower, upper });
             }
         }
         rows
-    }
-}
-
-/// Shares of first failures by checkpoint `n`; `shares` `(modes + 1, m)` as from
-/// [`crate::statistics::reliability::LifeCounts::first_failure_shares`].
-fn first_failure(
-    names: &[String],
-    shares: &[Vec<f64>],
-    condition: &Condition,
-    cycles: u32,
-    n: usize,
-) -> FirstFailureRow {
-    let share = |(name, curve): (&String, &Vec<f64>)| (name.clone(), condition.probability * curve[n]);
-    FirstFailureRow {
-        cycles,
-        together: condition.probability * shares[names.len()][n],
-        first: names.iter().zip(shares).map(share).collect(),
     }
 }
 

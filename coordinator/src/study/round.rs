@@ -1,18 +1,14 @@
 //! One round of learning on the results so far: fit the surrogates, classify the population, estimate the
 //! errors of the curves, and prepare the selection of the next samples.
 
-use super::failures::{Failed, Feasibility};
-use super::observations::Observations;
-use super::plan::{Plan, Problem};
-use super::step::CampaignError;
-use super::surrogates::{FitOptions, GRID, Surrogate, fit_surrogates};
+use super::surrogates::{GRID, Surrogate, fit_surrogates};
+use super::{CampaignError, Failed, Feasibility, Observations, Plan, Problem};
 use crate::results::summary::Round;
 use crate::statistics::design::{Population, Stream, open_stream};
 use crate::statistics::learning::{
-    Classification, ClassifiedMode, Coupled, CurveErrors, EARLY, Exploration, Figures, Gap, JointPool, Mode,
-    SURROGATE_SAFETY, Selection, SelectionOptions, UNCERTAIN, choose_pool, classify_cached,
-    coupled_criterion, curves, dominance, estimate_errors, explore, farthest, noise_shifts, sample_of_open,
-    widest_gap, with_system,
+    Classification, ClassifiedMode, Coupled, CurveErrors, EARLY, Figures, Gap, JointPool, Mode,
+    SURROGATE_SAFETY, Selection, UNCERTAIN, choose_pool, classify_cached, coupled_criterion, curves,
+    dominance, estimate_errors, explore, farthest, noise_shifts, sample_of_open, widest_gap, with_system,
 };
 use crate::statistics::reliability::governing_checkpoint;
 use crate::statistics::surrogate::{Effort, Kriging, PredictionCache};
@@ -84,10 +80,9 @@ impl Assessment {
         known: &[Vec<f64>],
     ) -> Option<usize> {
         let models: Vec<&Kriging> = self.surrogates.iter().map(|surrogate| &surrogate.model).collect();
-        let closed = &closed(requested, &self.settled);
-        let exploration = Exploration { models: &models, modes: &self.modes, population, closed, known };
+        let closed = closed(requested, &self.settled);
         let feasible = |points: MatRef<'_, f64>| self.feasibility.probability(points);
-        let chosen = explore(&exploration, feasible, 1).pop()?;
+        let chosen = explore((&models, &self.modes), population, &closed, known, feasible)?;
         self.selection.believe_point(chosen);
         Some(chosen)
     }
@@ -122,8 +117,7 @@ impl Assessment {
     ) -> Vec<Vec<f64>> {
         let points: Vec<&[f64]> = rim.iter().map(Vec::as_slice).collect();
         let columns = Mat::from_fn(points.first().map_or(0, |z| z.len()), points.len(), |k, i| points[i][k]);
-        let feasible = self.feasibility.open_probability(columns.as_ref());
-        let chosen = farthest(&points, known, &feasible, count);
+        let chosen = farthest(&points, known, &self.feasibility.open_probability(columns.as_ref()), count);
         chosen.into_iter().map(|place| std::mem::take(&mut rim[place])).collect()
     }
 
@@ -150,26 +144,21 @@ impl Assessment {
     /// error and of the simulator's noise. Beyond the grid, where the share goes on towards 0 or 1, the error has the same ratio to
     /// it (or to its distance from 1) as at the end of the grid.
     pub(super) fn combined_errors(&self) -> Vec<Vec<(usize, f64)>> {
-        let curves = self.errors.by_curve.iter().zip(&self.noise_shift).zip(&self.curves);
-        curves
-            .map(|((errors, noise), shares)| {
-                let combined: Vec<f64> = errors
-                    .iter()
-                    .zip(noise)
-                    .map(|(error, noise)| (SURROGATE_SAFETY * error).hypot(*noise))
-                    .collect();
-                let (first, last) = (self.grid[0], self.grid[self.grid.len() - 1]);
-                let in_proportion =
-                    |error: f64, share: f64, at_end: f64| error * (share / at_end.max(share)).min(1.0);
-                let before = (0..first).filter(|n| shares[*n] > 0.0);
-                let before = before.map(|n| (n, in_proportion(combined[0], shares[n], shares[first])));
-                let after = (last + 1..shares.len()).filter(|n| shares[*n] < 1.0);
-                let end = combined[combined.len() - 1];
-                let after = after.map(|n| (n, in_proportion(end, 1.0 - shares[n], 1.0 - shares[last])));
-                let on_grid = self.grid.iter().copied().zip(combined.iter().copied());
-                before.chain(on_grid).chain(after).collect()
-            })
-            .collect()
+        let (first, last) = (self.grid[0], self.grid[self.grid.len() - 1]);
+        let in_proportion =
+            |error: f64, share: f64, at_end: f64| error * (share / at_end.max(share)).min(1.0);
+        let of_curve = |((errors, noise), shares): ((&Vec<f64>, &Vec<f64>), &Vec<f64>)| {
+            let both = errors.iter().zip(noise);
+            let combined = both.map(|(error, noise)| (SURROGATE_SAFETY * error).hypot(*noise));
+            let combined: Vec<f64> = combined.collect();
+            let before = (0..first).filter(|n| shares[*n] > 0.0);
+            let before = before.map(|n| (n, in_proportion(combined[0], shares[n], shares[first])));
+            let after = (last + 1..shares.len()).filter(|n| shares[*n] < 1.0);
+            let end = combined[combined.len() - 1];
+            let after = after.map(|n| (n, in_proportion(end, 1.0 - shares[n], 1.0 - shares[last])));
+            before.chain(self.grid.iter().copied().zip(combined.iter().copied())).chain(after).collect()
+        };
+        self.errors.by_curve.iter().zip(&self.noise_shift).zip(&self.curves).map(of_curve).collect()
     }
 }
 
@@ -204,21 +193,20 @@ pub(super) fn assess(
 ) -> Result<Assessment, CampaignError> {
     let points = input.observations.points();
     let RoundInput { problem, plan, observations, previous, .. } = *input;
-    let options = FitOptions {
-        forms: plan.settings.forms,
-        stated_errors: plan.settings.stated_errors,
-        effort,
-        as_published: plan.is_as_published(),
-    };
-    let surrogates = fit_surrogates(observations, &problem.modes, (input.surrogates, previous), options)?;
+    let surrogates =
+        fit_surrogates(observations, &problem.modes, (input.surrogates, previous), (plan, effort))?;
     let grid = common_grid(&surrogates);
     let modes = classify_modes(input, &surrogates, caches, &grid);
-    let curves = failure_curves(input, &modes);
+    let first_failures: Vec<&[u32]> = modes.iter().map(|mode| mode.first_failure.as_slice()).collect();
+    let curves = curves(&first_failures, problem.checkpoints.len());
     let coupled = coupled_criterion(&modes);
     let feasibility = Feasibility::new(points.as_ref(), input.failed);
     let settled = feasibility.settled(input.population);
     let closed = closed(input.requested, &settled);
-    let pool = joint_pool(input, &surrogates, &coupled, &closed);
+    let least = POOL_PER_BATCH * plan.settings.batch;
+    let pool = choose_pool(&coupled, &closed, least, plan.settings.seed, input.round);
+    let models: Vec<&Kriging> = surrogates.iter().map(|surrogate| &surrogate.model).collect();
+    let pool = JointPool::new(pool, input.under_way, input.population, &models);
     let mut rng = open_stream(input.plan.settings.seed, Stream::Realisations(input.round));
     let errors = estimate_errors(&modes, &coupled, &pool, &mut rng);
     // The noise of the simulations, in units of the enlarged standard deviations. The surrogates have taken it off; what pairs of
@@ -239,19 +227,15 @@ pub(super) fn assess(
         figures.steps = noise_shift[curves.len() - 1][on_grid];
     }
     let uncertain = open_points(&coupled, &closed).filter(|c| c.system < UNCERTAIN).count();
-    let weights: Vec<f64> = pool.members().iter().filter_map(|j| dominance(&modes, *j, on_grid)).collect();
-    let options = SelectionOptions {
-        feasible: feasibility.probability(pool.points()),
-        governing: on_grid,
-        function: input.plan.settings.learning,
-    };
+    let weights: Vec<f64> = pool.members.iter().filter_map(|j| dominance(&modes, *j, on_grid)).collect();
+    let (feasible, function) = (feasibility.probability(pool.points.as_ref()), plan.settings.learning);
     Ok(Assessment {
         governing,
         share_uncertain: uncertain as f64 / input.population.len() as f64,
         dominance: (!weights.is_empty()).then(|| weights.iter().sum::<f64>() / weights.len() as f64),
         repairs: surrogates.iter().map(|s| s.repairs).sum(),
         figures,
-        selection: Selection::new(pool, options),
+        selection: Selection::new(pool, feasible, on_grid, function),
         surrogates,
         modes,
         grid,
@@ -286,41 +270,13 @@ fn classify_modes(
     let numbers_of_point = population.dimension() + problem.modes.len() * (grid.len() + 2) + OTHERS;
     let others = population.len() * numbers_of_point * size_of::<f64>();
     let limit = plan.settings.memory_bytes().saturating_sub(others) / problem.modes.len();
-    surrogates
-        .iter()
-        .zip(caches)
-        .enumerate()
-        .map(|(index, (surrogate, cache))| {
-            cache.set_limit(limit);
-            let mode = ClassifiedMode {
-                index,
-                threshold: surrogate.threshold.value,
-                grid,
-                inflation: surrogate.inflation(),
-                by_mean: plan.is_as_published(),
-            };
-            classify_cached(cache, &surrogate.model, population, &mode)
-        })
-        .collect()
-}
-
-/// Failure shares `(modes + 1, m)`, the system last.
-fn failure_curves(input: &RoundInput<'_>, modes: &[Classification]) -> Vec<Vec<f64>> {
-    let first_failures: Vec<&[u32]> = modes.iter().map(|mode| mode.first_failure.as_slice()).collect();
-    curves(&first_failures, input.problem.checkpoints.len())
-}
-
-/// The pool of uncertain points, those under way included, with the joint posteriors of all modes.
-fn joint_pool(
-    input: &RoundInput<'_>,
-    surrogates: &[Surrogate],
-    coupled: &[Coupled],
-    closed: &[bool],
-) -> JointPool {
-    let least = POOL_PER_BATCH * input.plan.settings.batch;
-    let pool = choose_pool(coupled, closed, least, input.plan.settings.seed, input.round);
-    let models: Vec<&Kriging> = surrogates.iter().map(|surrogate| &surrogate.model).collect();
-    JointPool::new(pool, input.under_way, input.population, &models)
+    let classify = |(index, (surrogate, cache)): (usize, (&Surrogate, &mut PredictionCache))| {
+        cache.set_limit(limit);
+        let (threshold, inflation) = (surrogate.threshold.value, surrogate.inflation());
+        let mode = ClassifiedMode { index, threshold, grid, inflation, by_mean: plan.is_as_published() };
+        classify_cached(cache, &surrogate.model, population, &mode)
+    };
+    surrogates.iter().zip(caches).enumerate().map(classify).collect()
 }
 
 /// The figures of the stopping rules; `governing` is the governing checkpoint and its place on the grid.
@@ -381,6 +337,5 @@ fn nearest(grid: &[usize], checkpoint: usize) -> usize {
 
 /// Largest absolute difference of two sets of curves of the same shape.
 pub(super) fn largest_change(before: &[Vec<f64>], now: &[Vec<f64>]) -> f64 {
-    let pairs = before.iter().flatten().zip(now.iter().flatten());
-    pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    before.iter().flatten().zip(now.iter().flatten()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }

@@ -18,6 +18,8 @@ pub(super) struct RunTimes {
     pub learner: Duration,
     /// Time in which no evaluation was under way.
     pub idle: Duration,
+    /// Times of the runs before this one.
+    pub earlier: Timing,
     /// Number of slots.
     slots: u32,
     /// Workers that simulated in this run.
@@ -27,33 +29,26 @@ pub(super) struct RunTimes {
 impl RunTimes {
     /// Starts the clock of a run whose evaluator has this number of slots.
     pub fn start(slots: u32) -> Self {
-        let started = Instant::now();
-        let zero = Duration::ZERO;
-        Self { started, noted: started, learner: zero, idle: zero, slots, workers: BTreeSet::new() }
+        let (started, zero) = (Instant::now(), Duration::ZERO);
+        let (earlier, workers) = (Timing::default(), BTreeSet::new());
+        Self { started, noted: started, learner: zero, idle: zero, earlier, slots, workers }
     }
 
     /// Counts a worker that simulated in this run.
     pub fn add_worker(&mut self, name: &str) {
-        if !self.workers.contains(name) {
-            self.workers.insert(name.to_owned());
-        }
+        self.workers.insert(name.to_owned());
     }
 
-    /// Times of this run alone; `simulation` [s] is that of all evaluations.
-    fn run(&self, simulation: f64) -> Timing {
-        Timing {
+    /// Times of the study, the runs before this one included; `simulation` [s] is that of all evaluations.
+    pub fn study(&self, simulation: f64) -> Timing {
+        self.earlier.with_run(&Timing {
             total: self.started.elapsed().as_secs_f64(),
             simulation,
             surrogate: self.learner.as_secs_f64(),
             idle: self.idle.as_secs_f64() * f64::from(self.slots),
             runs: 1,
             workers: u32::try_from(self.workers.len()).unwrap_or(u32::MAX),
-        }
-    }
-
-    /// Times of the study, the runs before this one included; `simulation` [s] is that of all evaluations.
-    pub fn study(&self, earlier: &Timing, simulation: f64) -> Timing {
-        earlier.with_run(&self.run(simulation))
+        })
     }
 
     /// Notes the times of the study in the journal, at most every five seconds unless the run ends.
@@ -63,7 +58,6 @@ impl RunTimes {
     pub fn note(
         &mut self,
         journal: &mut dyn Journal,
-        earlier: &Timing,
         simulation: f64,
         ends: bool,
     ) -> Result<(), EvaluateError> {
@@ -71,6 +65,6 @@ impl RunTimes {
             return Ok(());
         }
         self.noted = Instant::now();
-        journal.note_times(&self.study(earlier, simulation))
+        journal.note_times(&self.study(simulation))
     }
 }

@@ -50,8 +50,7 @@ pub fn simulate_samples(
 ) -> Result<Vec<ObservedOutcome>, StudyError> {
     let mut given = GivenSamples { samples: Some(requests), outcomes: None };
     Dispatcher::new(scene, settings.stricter(scene), requests.len(), evaluator, journal, &mut Silent)
-        .numbered_from(first)
-        .corrected_by(correction)
+        .going_on(first, correction)
         .run(&mut given)?;
     Ok(given.outcomes.unwrap_or_default())
 }

@@ -1,5 +1,7 @@
 //! Settings of one study: the scene's defaults, changed by the command line, checked here, and stored in the campaign
 //! file, so that `resume` repeats the same study.
+//!
+//! The levels of accuracy that a study's settings name, for its scene.
 
 use super::finer_levels::FinerLevels;
 use crate::statistics::learning::{LearningFunction, StoppingTargets};
@@ -60,19 +62,6 @@ pub struct StudyAccuracy {
     pub max_error: Option<f64>,
 }
 
-impl StudyAccuracy {
-    /// Restores the last bits of an accuracy that was read from JSON: its name defines it exactly. If the name stands
-    /// for other parameters by now, those of the file are kept.
-    fn exact(self) -> Self {
-        let as_read = |named: &NamedAccuracy| {
-            serde_json::to_string(named).and_then(|text| serde_json::from_str::<NamedAccuracy>(&text))
-        };
-        let named = self.setting.name.parse().ok();
-        let same = named.filter(|named| as_read(named).is_ok_and(|read| read == self.setting));
-        StudyAccuracy { setting: same.unwrap_or(self.setting), ..self }
-    }
-}
-
 /// Settings of one study; each of them may change its result. The fields are the keys of the campaign file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
@@ -91,21 +80,16 @@ pub struct Settings {
     pub max_evaluations: usize,
     /// Seed of every random draw.
     pub seed: u64,
-    /// Use of the numerical errors that evaluations state. Campaign files written before this setting existed
-    /// ignored them.
-    #[serde(default = "ignored")]
+    /// Use of the numerical errors that evaluations state.
     pub stated_errors: StatedErrors,
     /// Learning function of active learning.
-    #[serde(default)]
     pub learning: LearningFunction,
     /// Kernel and trend of the surrogates, as far as they are fixed.
     #[serde(flatten)]
     pub forms: FormSettings,
     /// Share of failed evaluations above which the study ends [1].
-    #[serde(default = "max_failed")]
     pub max_failed: f64,
     /// Half width of the whole 95 % interval of every R(n) at which a study may stop [1]; `None` for [`StoppingTargets::default`].
-    #[serde(default)]
     pub target_error: Option<f64>,
     /// Memory for the population and its cached predictions [MB]. Predictions that do not fit are computed anew in every
     /// round, which changes their last bits.
@@ -120,14 +104,6 @@ pub struct Settings {
     pub levels: FinerLevels,
 }
 
-fn ignored() -> StatedErrors {
-    StatedErrors::Ignored
-}
-
-fn max_failed() -> f64 {
-    MAX_FAILED
-}
-
 fn memory() -> usize {
     MEMORY
 }
@@ -140,7 +116,7 @@ fn is_default_memory(memory: &usize) -> bool {
 impl Default for Settings {
     /// Settings of a scene of few variables without a section `[study]`.
     fn default() -> Self {
-        Self::from(StudySettings::default())
+        Self::from(StudySettings::for_variables(0))
     }
 }
 
@@ -197,13 +173,12 @@ pub struct SettingError {
 }
 
 impl Settings {
-    /// The settings stored in a campaign file, with the exact parameters of the accuracy.
+    /// The settings stored in a campaign file.
     ///
     /// # Errors
     /// The error of a missing key or an unknown value.
     pub fn from_stored(stored: &serde_json::Value) -> serde_json::Result<Self> {
-        let settings = Self::deserialize(stored)?;
-        Ok(Self { accuracy: settings.accuracy.exact(), ..settings })
+        Self::deserialize(stored)
     }
 
     /// Settings of a scene of `variables` random variables without a section `[study]`.
@@ -254,49 +229,69 @@ impl Settings {
     /// # Errors
     /// The first [`SettingError`].
     pub fn check(&self, scene: &Scene) -> Result<(), SettingError> {
-        let refuse =
-            |key, value: String, allowed: &str| Err(SettingError { key, value, allowed: allowed.to_owned() });
+        let refuse = |key, value: &dyn ToString, allowed: String| {
+            Err(SettingError { key, value: value.to_string(), allowed })
+        };
         if scene.limit_states.is_empty() || scene.variables.is_empty() {
             let value = format!("{} and {}", scene.limit_states.len(), scene.variables.len());
-            let allowed = "a study needs at least one limit state and one random variable";
-            return refuse("limit_states and variables", value, allowed);
+            let allowed = "a study needs at least one limit state and one random variable".to_owned();
+            return refuse("limit_states and variables", &value, allowed);
         }
         for (key, count) in [("variables", scene.variables.len()), ("outputs", scene.outputs.len())] {
             if count > MOST_COLUMNS {
-                let allowed = format!("a campaign file holds at most {MOST_COLUMNS}");
-                return refuse(key, count.to_string(), &allowed);
+                return refuse(key, &count, format!("a campaign file holds at most {MOST_COLUMNS}"));
             }
         }
         if self.samples == 0 {
-            return refuse("samples", "0".to_owned(), "at least 1");
+            return refuse("samples", &0, "at least 1".to_owned());
         }
         if !self.method.learns() {
             return Ok(());
         }
         if self.initial < SMALLEST_DESIGN {
-            return refuse("initial", self.initial.to_string(), &format!("at least {SMALLEST_DESIGN}"));
+            return refuse("initial", &self.initial, format!("at least {SMALLEST_DESIGN}"));
         }
-        let design = format!("at least the initial design, initial = {}", self.initial);
         for (key, value) in [("samples", self.samples), ("max_evaluations", self.max_evaluations)] {
             if value < self.initial {
-                return refuse(key, value.to_string(), &design);
+                let allowed = format!("at least the initial design, initial = {}", self.initial);
+                return refuse(key, &value, allowed);
             }
         }
         if self.population() > LARGEST_POPULATION {
-            return refuse(
-                "samples",
-                self.population().to_string(),
-                &format!("at most {LARGEST_POPULATION}"),
-            );
+            return refuse("samples", &self.population(), format!("at most {LARGEST_POPULATION}"));
         }
         if self.method == Method::AkMcs && self.learning == LearningFunction::Gain {
-            let allowed = "u or coupled with method ak-mcs";
-            return refuse("learning", self.learning.name().to_owned(), allowed);
+            return refuse("learning", &self.learning, "u or coupled with method ak-mcs".to_owned());
         }
         if self.batch == 0 {
-            return refuse("batch", "0".to_owned(), "at least 1");
+            return refuse("batch", &0, "at least 1".to_owned());
         }
         Ok(())
+    }
+}
+
+impl Settings {
+    /// The levels finer than the working accuracy, from the coarser to the finer: none with direct simulation, nor with a scene's own
+    /// simulator that names none.
+    pub fn finer_levels(&self, scene: &Scene) -> Vec<NamedAccuracy> {
+        let has_none = scene.simulator.as_ref().is_some_and(|simulator| simulator.levels.is_empty());
+        if self.method != Method::ActiveLearning || has_none {
+            return vec![];
+        }
+        match &self.levels {
+            FinerLevels::None => vec![],
+            FinerLevels::Named(levels) => levels.clone(),
+            FinerLevels::Halved => {
+                let first = self.accuracy.setting.finer();
+                let second = first.as_ref().and_then(NamedAccuracy::finer);
+                first.into_iter().chain(second).collect()
+            }
+        }
+    }
+
+    /// Their numerical settings.
+    pub(super) fn finer_accuracies(&self, scene: &Scene) -> Vec<Accuracy> {
+        self.finer_levels(scene).into_iter().map(|level| level.accuracy).collect()
     }
 }
 
@@ -326,7 +321,6 @@ mod tests {
 
     #[test]
     fn stored_settings_are_read_to_the_last_bit() {
-        // JSON returns the tolerance of this accuracy with another last bit.
         let settings = settings();
         let stored = serde_json::to_string(&settings).unwrap();
         assert_eq!(read(&stored), settings);
@@ -336,20 +330,11 @@ mod tests {
     }
 
     #[test]
-    fn the_stored_form_does_not_change_and_that_of_early_files_is_read() {
+    fn the_stored_form_does_not_change() {
         let settings = settings();
         let accuracy = serde_json::to_string(&settings.accuracy).unwrap();
         let stored = STORED.replace("ACCURACY", &accuracy);
         assert_eq!(serde_json::to_string(&settings).unwrap(), stored);
-        let (before, _) = stored.split_once(",\"stated_errors\"").unwrap();
-        let early = read(&format!("{before}}}"));
-        let expected = Settings {
-            stated_errors: StatedErrors::Ignored,
-            forms: FormSettings::default(),
-            levels: FinerLevels::None,
-            ..settings
-        };
-        assert_eq!(early, expected);
     }
 
     #[test]
@@ -379,5 +364,30 @@ mod tests {
         for method in Method::ALL {
             assert_eq!(method.name().parse(), Ok(method));
         }
+    }
+
+    fn named(names: &[&str]) -> Vec<NamedAccuracy> {
+        names.iter().map(|name| name.parse().expect(name)).collect()
+    }
+
+    #[test]
+    fn finer_levels_follow_the_working_accuracy_unless_they_are_named() {
+        let source = SceneSource::builtin("four-bar").unwrap();
+        let scene = source.nominal();
+        let mut settings = Settings::from(scene);
+        settings.accuracy.setting = "draft".parse().unwrap();
+        let [finer, finest] = &settings.finer_levels(scene)[..] else { panic!("two levels") };
+        assert_eq!((finer.accuracy.cycle_jump, finer.accuracy.points), (4000, 2));
+        assert_eq!((finest.accuracy.cycle_jump, finest.accuracy.points), (2000, 4));
+        let levels = named(&["draft", "balanced", "reference"]);
+        let (working, finer) = FinerLevels::of_names(&levels).unwrap();
+        let stored = serde_json::to_string(&finer).unwrap();
+        assert_eq!(serde_json::from_str::<FinerLevels>(&stored).unwrap(), finer);
+        settings.levels = finer;
+        assert_eq!((working, settings.finer_levels(scene)), (levels[0].clone(), levels[1..].to_vec()));
+        let (_, none) = FinerLevels::of_names(&levels[..1]).unwrap();
+        assert!(none.is_none() && FinerLevels::of_names(&[]).is_err());
+        let direct = Settings { method: Method::MonteCarlo, ..settings };
+        assert_eq!(direct.finer_levels(scene), []);
     }
 }

@@ -53,10 +53,9 @@ fn constant_outputs(scene: &Scene, learned: &CampaignResult) -> String {
 
 /// The end of learning as published: the sizes of the designs, U, and the printed relative change over 1000 cycles.
 fn as_published(scene: &Scene, learned: &CampaignResult, settings: &Settings) -> String {
-    let designs = scene.limit_states.iter().enumerate().map(|(s, limit)| {
-        let points = learned.observations.design_of(s).len();
-        format!("{} results for {}", points, limit.name)
-    });
+    let points = |s: usize| learned.observations.design_of(s).len();
+    let designs = scene.limit_states.iter().enumerate();
+    let designs = designs.map(|(s, limit)| format!("{} results for {}", points(s), limit.name));
     let designs = designs.collect::<Vec<_>>().join(", ");
     let end = match learned.stop {
         StopReason::Rule(_) => "U >= 2 at every point of the population".to_owned(),
@@ -67,14 +66,11 @@ fn as_published(scene: &Scene, learned: &CampaignResult, settings: &Settings) ->
     };
     let (k, curves) = (learned.assessment.governing, &learned.assessment.curves);
     let checkpoints = scene.life.checkpoints();
-    let change =
-        change_over_1000_cycles(&curves[curves.len() - 1], &checkpoints, k).map_or(String::new(), |change| {
-            format!(
-                "; |R_k - R_(k-1000)| / R_k is {change:.3} at {} cycles (published bound 0.02)",
-                checkpoints[k]
-            )
-        });
-    format!("{end}; {designs}{change}")
+    let change = change_over_1000_cycles(&curves[curves.len() - 1], &checkpoints, k).map(|change| {
+        let cycles = checkpoints[k];
+        format!("; |R_k - R_(k-1000)| / R_k is {change:.3} at {cycles} cycles (published bound 0.02)")
+    });
+    format!("{end}; {designs}{}", change.unwrap_or_default())
 }
 
 /// Why learning stopped, and what was found by then.
@@ -82,8 +78,7 @@ pub(super) fn stop_in_words(scene: &Scene, learned: &CampaignResult, settings: &
     let targets = settings.targets();
     let figures = &learned.assessment.figures;
     let condition = &learned.classified.condition;
-    let variables = learned.classified.population.dimension();
-    let held = targets.points_to_hold(variables, condition.levels > 0);
+    let held = targets.points_to_hold(learned.classified.population.dimension(), condition.levels > 0);
     let reason = match learned.stop {
         _ if settings.method == Method::AkMcs => as_published(scene, learned, settings),
         StopReason::Rule(Rule::Learning) => format!(
@@ -112,10 +107,9 @@ pub(super) fn stop_in_words(scene: &Scene, learned: &CampaignResult, settings: &
     let cov = learned.rounds.last().map_or(f64::INFINITY, |round| round.cov_pf);
     if system.iter().all(|failed| *failed == 0.0) {
         let points = learned.classified.population.len();
-        let bound = if condition.levels > 0 {
-            format!(", which represent a probability of {:.0e}", condition.probability)
-        } else {
-            String::new()
+        let bound = match condition.levels {
+            0 => String::new(),
+            _ => format!(", which represent a probability of {:.0e}", condition.probability),
         };
         let constant = constant_outputs(scene, learned);
         format!("{reason}; no failure was found among {points} points of the population{bound}{constant}")

@@ -21,9 +21,8 @@ const FEWER: usize = 1024;
 pub(super) fn simulations_beyond_a_limit(scene: &Scene, learned: &CampaignResult) -> usize {
     let modes = ResponseLayout::from_scene(scene).modes;
     let last = scene.life.checkpoints().len() - 1;
-    let responses =
-        modes.iter().map(|mode| (mode.threshold, learned.observations.running_maxima(mode.output)));
-    let responses: Vec<_> = responses.collect();
+    let response = |mode: &Mode| (mode.threshold, learned.observations.running_maxima(mode.output));
+    let responses: Vec<_> = modes.iter().map(response).collect();
     let exceeds = |i: &usize| responses.iter().any(|(threshold, largest)| largest[(*i, last)] >= *threshold);
     (0..learned.observations.len()).filter(exceeds).count()
 }
@@ -64,22 +63,15 @@ pub(super) fn predictions(scene: &Scene, learned: &CampaignResult) -> Vec<Predic
 /// the output from the same simulations.
 pub(super) fn sobol(scene: &Scene, campaign: &CampaignResult) -> Vec<SobolRow> {
     // For dependent variables the indices are no shares of the variance.
-    let population = campaign.classified.unconditional();
-    if !population.inputs().copula().is_independent() {
+    if !campaign.classified.unconditional().inputs().copula().is_independent() {
         return Vec::new();
     }
-    let limits = scene.limit_states.iter().zip(&campaign.assessment.surrogates).enumerate();
-    limits
-        .flat_map(|(s, (limit, surrogate))| of_limit_state(scene, campaign, (s, limit), surrogate))
-        .collect()
+    (0..scene.limit_states.len()).flat_map(|s| sobol_of(scene, campaign, s)).collect()
 }
 
-fn of_limit_state(
-    scene: &Scene,
-    campaign: &CampaignResult,
-    (s, limit): (usize, &LimitState),
-    surrogate: &Surrogate,
-) -> Vec<SobolRow> {
+/// Sobol indices of the output of limit state `s`.
+fn sobol_of(scene: &Scene, campaign: &CampaignResult, s: usize) -> Vec<SobolRow> {
+    let limit = &scene.limit_states[s];
     let (cycles, population) = (scene.life.checkpoints(), campaign.classified.unconditional());
     let grid = &campaign.assessment.grid;
     let (Some(&first), Some(&last)) = (grid.first(), grid.last()) else { return Vec::new() };
@@ -93,7 +85,7 @@ fn of_limit_state(
     };
     let observations = campaign.observations.design_of(s);
     let (points, values) = (observations.points(), observations.values(limit.output));
-    let mut model = surrogate.model.clone();
+    let mut model = campaign.assessment.surrogates[s].model.clone();
     model.set_values(values.as_ref());
     let indices = indices_by(&model, SAMPLES);
     let without = |group: usize| {

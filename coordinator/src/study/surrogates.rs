@@ -3,11 +3,11 @@
 
 use super::observations::{Observations, Sides};
 use super::outliers::outliers;
-use super::step::CampaignError;
+use super::{CampaignError, Plan, Settings};
 use crate::statistics::learning::{LearnedThreshold, Mode, checkpoints_that_matter, learned_threshold};
 use crate::statistics::surrogate::{
-    CrossValidation, Effort, Form, FormSettings, Incumbent, Kriging, LeaveOneOut, NoiseShape,
-    PredictionCache, Sharing, StatedErrors, SurrogateError, TrainingSet, compare_sharing, fit_surrogate,
+    CrossValidation, Effort, Form, Incumbent, Kriging, LeaveOneOut, NoiseShape, PredictionCache,
+    SurrogateError, TrainingSet, compare_sharing, fit_surrogate,
 };
 use faer::{Mat, MatRef};
 use rayon::prelude::*;
@@ -60,19 +60,6 @@ impl<'a> ModeResults<'a> {
     }
 }
 
-/// Options of a fit.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct FitOptions {
-    /// Forms that are compared.
-    pub forms: FormSettings,
-    /// Use of the stated errors.
-    pub stated_errors: StatedErrors,
-    /// Effort spent on the lengths.
-    pub effort: Effort,
-    /// As published: values are exact, and predicted variances are taken as they are.
-    pub as_published: bool,
-}
-
 /// The surrogate of one mode.
 #[derive(Debug, Clone)]
 pub struct Surrogate {
@@ -87,9 +74,8 @@ pub struct Surrogate {
     /// Mean of squared errors over predicted variances in the cross-validation, at the results nearest to the
     /// threshold [1].
     variance_ratio: Option<f64>,
-    /// Comparison of one correlation for all checkpoints with separate ones, from the last fit from several
-    /// starts.
-    pub sharing: Option<Sharing>,
+    /// True if separate correlations would be clearly better than one for all checkpoints, by the last fit from several starts.
+    pub separate_would_gain: Option<bool>,
     /// Standard deviation of the noise in proportion to the stated errors, over the stated errors themselves
     /// (root mean squares over points and fitted checkpoints) [1]; `None` if the surrogate does not use them.
     pub share_of_stated: Option<f64>,
@@ -117,9 +103,9 @@ impl Surrogate {
         results: &ModeResults<'_>,
         fitted_on: Vec<usize>,
         before: Option<&Self>,
-        options: FitOptions,
+        (plan, effort): (&Plan, Effort),
     ) -> Result<Self, SurrogateError> {
-        let FitOptions { forms, stated_errors, effort, as_published } = options;
+        let (Settings { forms, stated_errors, .. }, as_published) = (&plan.settings, plan.is_as_published());
         if effort == Effort::Keep
             && let Some(extended) = before.and_then(|before| before.extended(results))
         {
@@ -128,7 +114,7 @@ impl Surrogate {
         let effort = if effort == Effort::Keep { Effort::Warm } else { effort };
         let ((values, errors), places) = (results.learned(), results.columns_of(&fitted_on));
         let (chosen, errors) = (columns(values, &places), columns(errors, &places));
-        let noise = NoiseShape::new(chosen.as_ref(), errors.as_ref(), stated_errors);
+        let noise = NoiseShape::new(chosen.as_ref(), errors.as_ref(), *stated_errors);
         let training = TrainingSet {
             points: results.points.as_ref(),
             values: chosen.as_ref(),
@@ -136,18 +122,18 @@ impl Surrogate {
             is_exact: as_published,
         };
         let incumbent = before.map(|before| before.model.incumbent());
-        let found = fit_surrogate(training, forms, incumbent.as_ref(), effort)?;
+        let found = fit_surrogate(training, *forms, incumbent.as_ref(), effort)?;
         let mut model = found.model;
         let mut cross_validation = found.cross_validation;
         let threshold = results.learned_threshold();
         let near = |crossed: &CrossValidation| crossed.variance_ratio_near(threshold.value, chosen.as_ref());
-        let (mut sharing, mut variance_ratio) = (None, cross_validation.as_ref().map(near));
+        let (mut separate_would_gain, mut variance_ratio) = (None, cross_validation.as_ref().map(near));
         if effort == Effort::MultiStart {
             let Incumbent { correlation, trend } = model.incumbent();
-            let form = Form { kernel: correlation.kernel, trend };
-            sharing = compare_sharing(training, form, &correlation)?;
+            separate_would_gain =
+                compare_sharing(training, Form { kernel: correlation.kernel, trend }, &correlation)?;
         } else if let Some(before) = before {
-            sharing = before.sharing;
+            separate_would_gain = before.separate_would_gain;
             cross_validation = before.cross_validation.clone();
             variance_ratio = before.variance_ratio;
         }
@@ -164,7 +150,7 @@ impl Surrogate {
             leave_one_out: vec![],
             cross_validation,
             variance_ratio,
-            sharing,
+            separate_would_gain,
             share_of_stated: None,
             noise_share: 0.0,
             outliers: vec![],
@@ -243,8 +229,7 @@ impl Surrogate {
     /// of the cross-validation, or of leave-one-out if there is none, averaged over the checkpoints.
     pub fn inflation(&self) -> f64 {
         let ratios = self.leave_one_out.iter().map(|l| l.variance_ratio);
-        let left_out = ratios.sum::<f64>() / self.leave_one_out.len() as f64;
-        self.variance_ratio.unwrap_or(left_out).max(1.0)
+        self.variance_ratio.unwrap_or(ratios.sum::<f64>() / self.leave_one_out.len() as f64).max(1.0)
     }
 }
 
@@ -257,7 +242,7 @@ pub(super) fn fit_surrogates(
     observations: &Observations,
     modes: &[Mode],
     (before, curves): (&[Surrogate], Option<&[Vec<f64>]>),
-    options: FitOptions,
+    (plan, effort): (&Plan, Effort),
 ) -> Result<Vec<Surrogate>, CampaignError> {
     let fit = |(s, mode): (usize, &Mode)| {
         let observations = observations.design_of(s);
@@ -265,7 +250,7 @@ pub(super) fn fit_surrogates(
         let results = ModeResults::new(&observations, &points, mode);
         let share = observations.design_share(&results.values, mode.threshold);
         let fitted_on = checkpoints_that_matter(&share, curves.map(|curves| curves[s].as_slice()), GRID);
-        Surrogate::fit(&results, fitted_on, before.get(s), options)
+        Surrogate::fit(&results, fitted_on, before.get(s), (plan, effort))
             .map_err(|source| CampaignError::Surrogate { mode: s, source })
     };
     modes.par_iter().enumerate().map(fit).collect()

@@ -19,7 +19,7 @@
 //! share of a thousand is this project's own choice: a region beyond it has no part in three digits of P.
 
 use super::observations::Observations;
-use crate::statistics::design::InputModel;
+use super::plan::Problem;
 use crate::statistics::learning::Mode;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -38,25 +38,18 @@ pub(super) struct Untested {
 }
 
 impl Untested {
-    /// The curves that no simulation has tested. `modes` are the limit states, `pf` `(modes + 1,)` the failure probabilities at
+    /// The curves of a problem that no simulation has tested. `pf` `(modes + 1,)` the failure probabilities at
     /// the end of life [1], the system last, `initial` is the number of simulations of the initial design, the nominal one included.
-    pub fn new(
-        modes: &[Mode],
-        observations: &Observations,
-        inputs: &InputModel,
-        pf: &[f64],
-        initial: usize,
-    ) -> Self {
+    pub fn new(problem: &Problem, observations: &Observations, pf: &[f64], initial: usize) -> Self {
+        let Problem { modes, inputs, .. } = problem;
         let random = inputs.variables().iter().filter(|variable| !variable.is_constant()).count();
         let beyond = ChiSquared::new(random.max(1) as f64).expect("a positive number of variables");
-        let beyond: Vec<f64> = observations
-            .standardised()
-            .map(|z| {
-                let distance = |u: f64| if u.is_finite() { u * u } else { ON_A_BOUND * ON_A_BOUND };
-                let normals = inputs.independent_normals(&inputs.to_physical(z));
-                beyond.sf(normals.into_iter().filter(|u| !u.is_nan()).map(distance).sum())
-            })
-            .collect();
+        let distance = |u: f64| if u.is_finite() { u * u } else { ON_A_BOUND * ON_A_BOUND };
+        let beyond = observations.standardised().map(|z| {
+            let normals = inputs.independent_normals(&inputs.to_physical(z));
+            beyond.sf(normals.into_iter().filter(|u| !u.is_nan()).map(distance).sum())
+        });
+        let beyond: Vec<f64> = beyond.collect();
         // The probability beyond the nearest failure of each limit state, and of any.
         let nearest = |mode: &Mode| {
             let values = observations.running_maxima(mode.output);
@@ -88,33 +81,35 @@ impl Untested {
 mod tests {
     use super::super::Observed;
     use super::*;
+    use crate::statistics::design::InputModel;
     use common::random::Distribution;
 
     #[test]
     fn issue_a_bound_was_the_surrogates_word_alone() {
         let inputs = InputModel::from(&vec![Distribution::normal(3.0, 2.0).unwrap(); 2]);
-        let modes = [0, 1].map(|output| Mode { output, threshold: 1.0 });
+        let modes = [0, 1].map(|output| Mode { output, threshold: 1.0 }).to_vec();
+        let problem = Problem { inputs, outputs: 2, modes, checkpoints: vec![1] };
         let mut observations = Observations::new(2);
         // Twelve results without failures; then the first limit state fails at 3 and at 8 standard deviations, the second nowhere.
         for i in 0..12 {
             observations.add(&[0.1 * i as f64, -1.0], Observed::exact(vec![vec![0.0], vec![0.0]]));
         }
-        let found = Untested::new(&modes, &observations, &inputs, &[1e-9, 0.0, 1e-9], 12);
+        let found = Untested::new(&problem, &observations, &[1e-9, 0.0, 1e-9], 12);
         assert_eq!(found, Untested { curves: vec![true; 3], samples: 11 });
         // 0.05 = (1 - P)^11.
         assert!((found.bound(2).unwrap() - 0.23840).abs() < 1e-5);
         observations.add(&[8.0, 0.0], Observed::exact(vec![vec![2.0], vec![0.0]]));
         // P(|U| > 8) = exp(-32) = 1.3e-14.
         for (pf, untested) in [(1e-10, true), (1e-12, false)] {
-            let found = Untested::new(&modes, &observations, &inputs, &[pf, 0.0, pf], 12);
+            let found = Untested::new(&problem, &observations, &[pf, 0.0, pf], 12);
             assert_eq!(found.curves, [untested, true, untested], "{pf}");
         }
         observations.add(&[0.0, -3.0], Observed::exact(vec![vec![2.0], vec![0.0]]));
-        let found = Untested::new(&modes, &observations, &inputs, &[1e-3, 0.0, 1e-3], 12);
+        let found = Untested::new(&problem, &observations, &[1e-3, 0.0, 1e-3], 12);
         assert_eq!(found.curves, [false, true, false]);
         // The second fails no more often than the system, and without a prediction nothing is tested.
         assert_eq!((found.possible(1, 2e-3), found.possible(0, 2e-3)), (Some(2e-3), None));
-        let none = Untested::new(&modes, &observations, &inputs, &[0.0; 3], 12);
+        let none = Untested::new(&problem, &observations, &[0.0; 3], 12);
         assert_eq!((none.possible(2, 0.0), &none.curves), (none.bound(2), &vec![true; 3]));
         assert_eq!(Untested::default().bound(0), None);
     }

@@ -4,12 +4,12 @@
 //! differences, a constant or a line over the value, shift all results, from which the variant is learned like the study itself. The
 //! correction of the study to finer levels is that of the variant, too. Spread and error of the differences are in its intervals.
 
-use super::correction::Correction;
 use super::dispatching::Dispatcher;
-use super::from_results::{campaign_from_results, complete_outcomes, learn_from_results};
 use super::pairs::PairedCampaign;
-use super::stored_outcome::StoredOutcome;
-use super::{CampaignResult, Settings, StudyError};
+use super::{
+    CampaignResult, Correction, Settings, StoredOutcome, StudyError, campaign_from_results,
+    complete_outcomes, learn_from_results,
+};
 use crate::farm::evaluate::Evaluator;
 use crate::results::journal::Journal;
 use crate::results::progress::Silent;
@@ -65,16 +65,11 @@ impl StudyOfVariants<'_> {
         let mut paired =
             PairedCampaign::of_variant(scene, campaign, &complete_outcomes(scene, stored), level);
         Dispatcher::new(variant, None, stored.len(), evaluator, journal, &mut Silent)
-            .numbered_from(stored.len() as u64)
-            .corrected_by(correction)
+            .going_on(stored.len() as u64, correction)
             .run(&mut paired)?;
         let (shift, evaluations) = paired.of_pairs();
-        let learned = match shift {
-            None => None,
-            Some(shift) => {
-                Some(learn_from_results(scene, scene, settings, &shift.correct_all(stored.to_vec()))?)
-            }
-        };
-        Ok(LearnedVariant { learned, evaluations })
+        let shifted = shift.map(|shift| shift.correct_all(stored.to_vec()));
+        let learned = shifted.map(|shifted| learn_from_results(scene, scene, settings, &shifted));
+        Ok(LearnedVariant { learned: learned.transpose()?, evaluations })
     }
 }

@@ -40,8 +40,7 @@ pub fn anderson_darling(family: Family, samples: &[f64]) -> GoodnessOfFit {
     let n = samples.len().min(LARGEST);
     let replication = || {
         let uniforms = (0..n).map(|_| rng.random_range(f64::MIN_POSITIVE..1.0));
-        let drawn = uniforms.map(|p| family.standard().at(p, Tail::Lower));
-        fitted_statistic(family, drawn.collect())
+        fitted_statistic(family, uniforms.map(|p| family.standard().at(p, Tail::Lower)).collect())
     };
     let beyond = std::iter::repeat_with(replication).take(REPLICATIONS).filter(|drawn| *drawn >= statistic);
     GoodnessOfFit { statistic, p: (1 + beyond.count()) as f64 / (REPLICATIONS + 1) as f64 }

@@ -186,7 +186,7 @@ fn a_layout_of_a_later_version_is_refused_by_name() {
         "replace --failure-cost 10",
     ] {
         let said = refused(command, &dir);
-        for part in ["campaign.db", "schema version 99", "version 9.8.7", OURS, "reads versions 1 to "] {
+        for part in ["campaign.db", "schema version 99", "version 9.8.7", OURS, "reads versions 3 to "] {
             assert!(said.contains(part), "{command}: no {part} in {said}");
         }
     }
@@ -210,9 +210,8 @@ fn what_a_known_layout_holds_of_another_version_is_refused_by_name() {
         ),
     ] {
         let dir = copy(&latest());
+        // The kept file would first have to be brought up to the present layout.
         execute(&dir, &format!("{other}; {change}"));
-        // Even where the layout would have to be brought up to the present one first.
-        execute(&dir, "DROP TABLE leg; ALTER TABLE evaluation DROP COLUMN stricter; PRAGMA user_version = 2");
         let said = refused("resume --max-evaluations 30", &dir);
         for part in parts.into_iter().chain(["campaign.db", "version 0.9.1", OURS]) {
             assert!(said.contains(part), "no {part} in {said}");

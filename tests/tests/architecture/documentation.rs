@@ -21,7 +21,7 @@ const LAWS: [&str; 13] = [
 
 /// Files of these folders without a formula: what they hold instead. A new file belongs here only if it computes
 /// nothing that a reader would look up in a book.
-const NO_LAW: [(&str, &str); 12] = [
+const NO_LAW: [(&str, &str); 10] = [
     ("common/src/random/mod.rs", "list of modules"),
     ("common/src/random/distribution.rs", "dispatch to the distributions"),
     ("common/src/random/distribution/constant.rs", "one value with probability one"),
@@ -30,9 +30,7 @@ const NO_LAW: [(&str, &str); 12] = [
     ("worker/src/integrate/stepper.rs", "loop over the steps of `rosenbrock.rs`"),
     ("worker/src/integrate/lane_stepper.rs", "loop over the steps of `rosenbrock.rs`"),
     ("worker/src/quasi_static/unsuitable.rs", "reasons as an enumeration"),
-    ("worker/src/quasi_static/wear_rates.rs", "largest difference of two lists"),
     ("worker/src/wear/mod.rs", "list of modules"),
-    ("coordinator/statistics/src/design/points.rs", "selection of points"),
     ("coordinator/statistics/src/surrogate/form.rs", "names of kernel and trend"),
 ];
 

@@ -94,7 +94,7 @@ const KEPT_TO: [(&str, &str, &[&str]); 13] = [
     ("rusqlite", "coordinator", &["results/store/"]),
     ("worker", "coordinator", &["cli/", "main.rs"]),
     ("rustix", "common", &["external/guard.rs", "external/process.rs"]),
-    ("rustix", "coordinator", &["farm/allocation/jobs.rs", "farm/dispatch/transport/file_limit.rs"]),
+    ("rustix", "coordinator", &["farm/allocation/jobs.rs", "farm/dispatch/transport/settings.rs"]),
     ("rustix", "worker", &["service/slots.rs"]),
     ("ureq", "common", &["external/umbridge.rs"]),
     ("axum", "worker", &["umbridge/"]),

@@ -210,11 +210,11 @@ fn an_address_open_to_other_machines_requires_insecure() {
         ZenohEvaluator::open(campaign(), &listen, Arc::default())
     };
     let error = open("tcp/0.0.0.0:0", false).unwrap_err();
-    assert!(matches!(&error, DispatchError::Insecure { endpoint } if endpoint == "tcp/0.0.0.0:0"));
+    assert!(matches!(&error, DispatchError::Insecure(endpoint) if endpoint == "tcp/0.0.0.0:0"));
     assert!(error.is_bad_input());
     assert!(!open("tcp/0.0.0.0:0", true).unwrap().endpoints().is_empty());
     // An address in use is reported with its endpoint.
     let first = coordinator();
     let error = open(&first.endpoints()[0], false).unwrap_err();
-    assert!(matches!(&error, DispatchError::Endpoint { endpoint, .. } if endpoint == &first.endpoints()[0]));
+    assert!(matches!(&error, DispatchError::Endpoint(endpoint, ..) if endpoint == &first.endpoints()[0]));
 }

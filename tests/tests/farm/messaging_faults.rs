@@ -166,7 +166,7 @@ fn a_task_that_crashes_three_workers_is_given_up_and_the_others_are_evaluated() 
             Ok(())
         });
         assert!(
-            matches!(&error, Err(EvaluateError::GivenUp { id: 0, reason }) if reason.contains("3 workers")),
+            matches!(&error, Err(EvaluateError::GivenUp(0, reason)) if reason.contains("3 workers")),
             "{error:?}"
         );
         assert_eq!(recorded, expected(1..6));

@@ -213,7 +213,12 @@ fn speed(scene: &mut Scene, rpm: f64) {
         }
     }
     let faster = |value: &mut Value| {
-        for curve in value.curves_mut().into_iter().filter(|curve| curve.over == Over::Time) {
+        let curves: Vec<_> = match value {
+            Value::Curve(curve) | Value::MaybeCurve(Some(curve)) => vec![curve],
+            Value::TwoCurves(curves) => curves.iter_mut().flatten().collect(),
+            _ => vec![],
+        };
+        for curve in curves.into_iter().filter(|curve| curve.over == Over::Time) {
             curve.table.at.iter_mut().for_each(|t| *t /= factor);
         }
     };

@@ -43,7 +43,7 @@ fn main() -> ExitCode {
     let cases = cases(scene, &arguments.accuracy.accuracy);
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let rows =
-        run_all(&cases, threads, |row| eprintln!("{}, {}: {}", row.case, row.law.name(), verdict(row)));
+        run_all(&cases, threads, |row| eprintln!("{}, {}: {}", row.case, row.law.word(), verdict(row)));
     println!(
         "| case | contact law | outcome | output | cycles | value | stated error | difference | steps | at half |"
     );
@@ -64,7 +64,7 @@ fn verdict(row: &Row) -> &'static str {
 
 /// Prints a failure, and a line per output at the checkpoint where the two runs differ most.
 fn print(scene: &Scene, row: &Row) {
-    let head = format!("| {} | {} | {} |", row.case, row.law.name(), verdict(row));
+    let head = format!("| {} | {} | {} |", row.case, row.law.word(), verdict(row));
     let steps = format!("| {} | {} |", row.steps, row.steps_of_half);
     if let Outcome::Refused(failure) | Outcome::Unconfirmed(failure) = &row.outcome {
         println!("{head} {failure} | | | | {steps}");

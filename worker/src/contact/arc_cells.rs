@@ -7,9 +7,6 @@
 //! # Source
 //! Derived here.
 
-// Compiled into the loops of the lanes, where closures of iterators are not: plain loops.
-#![allow(clippy::needless_range_loop)]
-
 use super::arc::Arc;
 use super::cells::{CellContents, Cells, MOST, SIDE, change_of_gaps};
 use super::integrals::{Integrals, UnitIntegrals, weights_in_lanes};
@@ -56,7 +53,7 @@ impl<R: Real> EndInterval<R> {
 /// The bores and the cells met last, one per lane.
 #[derive(Debug, Clone)]
 pub struct ArcCells<R> {
-    cells: Cells<R, 2>,
+    pub(super) cells: Cells<R, 2>,
     contents: ArcContents<R>,
 }
 
@@ -79,12 +76,6 @@ impl<R: Real> ArcCells<R> {
         let mut all = ArcCells { cells: Cells::new((ENOUGH, SIZES), [SMALLER; 2], like), contents };
         (0..R::LANES).for_each(|lane| all.set(lane, arc));
         all
-    }
-
-    /// True if a lane has too many intervals to look at.
-    #[cfg(test)]
-    pub(super) fn is_overfull(&self) -> bool {
-        self.cells.overfull
     }
 
     /// Forgets the cells of a lane, whose bore is `arc` from now on.

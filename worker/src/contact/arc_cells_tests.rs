@@ -73,7 +73,7 @@ fn cells_give_the_integrals_of_the_arc_whatever_cells_were_met_before() {
                 let bits =
                     |of: &Integrals| [of.v, of.p[0], of.p[1], of.d[0], of.d[1], of.d[2]].map(f64::to_bits);
                 assert_eq!(bits(&found), bits(&anew), "{e:?}");
-                too_many += usize::from(cells.is_overfull());
+                too_many += usize::from(cells.cells.overfull);
                 let (size, extent) = (length(exact.p), exact.d[0] + exact.d[2]);
                 // Lighter contacts lose digits to rounding: 1e-9 m of 2e-5 m leaves eleven.
                 if size < 1e-9 * 0.01 {

@@ -12,9 +12,6 @@
 //! # Source
 //! Derived here; lists of neighbours that stay valid within a margin: Verlet (1967), Physical Review 159, 98-103.
 
-// Compiled into the loops of the lanes, where closures of iterators are not: plain loops.
-#![allow(clippy::needless_range_loop)]
-
 use crate::lanes::Real;
 use crate::plane::length;
 

@@ -10,9 +10,7 @@
 //! Hunt, Crossley (1975), J. Appl. Mech. 42, 440-445; the same balance in Simbody: Sherman, Seth, Delp
 //! (2011), Procedia IUTAM 2, 241-261.
 
-use super::Contact;
-use super::joint_force::{JointForce, JointMotion};
-use super::journal_table::Surfaces;
+use super::{Contact, JointForce, JointMotion, Surfaces};
 
 /// Energy stored in a joint and powers, at one instant.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -28,17 +28,16 @@
 //! Contact Mechanics, chapter 4. The modulus that reproduces Hertz's force is derived in `modulus.rs`; the moment follows from the same
 //! potential.
 
-// Compiled into the loops of the lanes, where closures of iterators are not: plain loops.
-#![allow(clippy::needless_range_loop)]
-
-use super::arc::{Arc, Arcs};
-use super::foundation_slopes::{FoundationLoad, Resultant, RotatedLoad};
+use super::arc::Arcs;
+use super::foundation_slopes::{Resultant, RotatedLoad};
 use super::integrals::RotatedIntegrals;
-use super::joint_force::{Elastic, ForceSlopes, JointForce, JointMotion};
-use super::journal_table::{Journal, Surfaces, within_a_turn};
+use super::journal_table::within_a_turn;
 use super::modulus::Modulus;
 use super::rotated_arc::{Pair, RotatedArc};
-use super::surface::{Surface, equivalent_penetration};
+use super::{
+    Arc, Elastic, ForceSlopes, FoundationLoad, JointForce, JointMotion, Journal, Surface, Surfaces,
+    equivalent_penetration,
+};
 use crate::bore::{Profile, Radius};
 use crate::lanes::{Real, direction_angle};
 use crate::plane::{dot, left, length};

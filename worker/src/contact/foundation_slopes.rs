@@ -3,9 +3,6 @@
 //! # Source
 //! The derivatives of the equations in `foundation.rs`.
 
-// Compiled into the loops of the lanes, where closures of iterators are not: plain loops.
-#![allow(clippy::needless_range_loop)]
-
 use super::arc::Arcs;
 use super::joint_force::ForceSlopes;
 use crate::bore::Radius;

@@ -1,8 +1,6 @@
 //! The law on an unworn bore against Hertz.
 
-use super::foundation::Foundation;
-use super::joint_force::JointMotion;
-use super::surface::Surface;
+use super::{Foundation, JointMotion, Surface};
 use std::f64::consts::TAU;
 
 #[test]

@@ -1,6 +1,6 @@
 //! Motion of one joint with clearance, the force it exerts and the elastic part of its contact; frame and signs as in the parent module.
 
-use crate::lanes::{Real, in_lane};
+use crate::lanes::{Real, lanewise};
 
 /// Motion of one joint, in the bushing's frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,24 +49,7 @@ pub struct ForceSlopes<R = f64> {
     pub to_turn: Option<[R; 4]>,
 }
 
-in_lane!(JointForce { force, torque_journal, torque_bushing, normal, direction, penetration, sliding });
-
-impl<R: Real> JointForce<R> {
-    /// No force; `like` sets the number of lanes.
-    #[inline(always)]
-    pub(crate) fn none(like: R) -> Self {
-        let zero = like.zero();
-        JointForce {
-            force: [zero; 2],
-            torque_journal: zero,
-            torque_bushing: zero,
-            normal: zero,
-            direction: [zero; 2],
-            penetration: zero,
-            sliding: zero,
-        }
-    }
-}
+lanewise!(numbers JointForce { force, torque_journal, torque_bushing, normal, direction, penetration, sliding });
 
 impl<R: Real> ForceSlopes<R> {
     /// No dependence on the motion; `like` sets the number of lanes.

@@ -26,9 +26,6 @@
 //! The turning profile is derived here. Wear of revolute joints in multibody systems: Mukras, Kim, Mauntler,
 //! Schmitz, Sawyer (2010), Wear 268, 643-652. Splines: de Boor (1978), A Practical Guide to Splines.
 
-// Compiled into the loops of the lanes, where closures of iterators are not: plain loops.
-#![allow(clippy::needless_range_loop)]
-
 use super::segment::SEGMENT;
 use crate::bore::{Profile, Radius};
 use crate::interpolate::Cubic;
@@ -89,7 +86,7 @@ impl JournalTable {
         let step = 1.0 / sub as f64;
         for j in 0..self.cubic[0].len() {
             let within = j % self.intervals;
-            let (cubic, o) = (Cubic(self.chords.cubic(within / sub)), (within % sub) as f64 * step);
+            let (cubic, o) = (Cubic(self.chords.cubic[within / sub]), (within % sub) as f64 * step);
             let values = [
                 cubic.value(o),
                 cubic.slope(o) * step,

@@ -17,9 +17,7 @@
 //! 10.3969/j.issn.1004-132X.2026.06.020. Force and damping after Lankarani, Nikravesh (1990), J. Mech. Design
 //! 112, 369-376.
 
-use super::joint_force::{Elastic, ForceSlopes, JointForce, JointMotion};
-use super::journal_table::Surfaces;
-use super::surface::Surface;
+use super::{Elastic, ForceSlopes, JointForce, JointMotion, Surface, Surfaces};
 use crate::bore::Radius;
 use crate::lanes::{Real, direction_angle};
 use crate::plane::{fused_dot as dot, left};

@@ -19,7 +19,7 @@
 //! |---|---|---|
 //! | `local-hertz` | `local_hertz.rs` | none: the profile in the direction of the eccentricity |
 //! | `foundation`, round | `foundation.rs` | `arc_cells.rs`; lane by lane where a cell holds too many intervals, in free flight and for energies: `arc.rs` |
-//! | `foundation`, worn | `foundation.rs` | `rotated_cells.rs`, `rotated_sums.rs`; likewise `rotated_arc.rs` |
+//! | `foundation`, worn | `foundation.rs` | `rotated_cells.rs`, `rotated_segment.rs`; likewise `rotated_arc.rs` |
 //!
 //! Wear finds the contacts again on the worn surfaces: `wear/local_arcs.rs` for `local-hertz`, `wear/conformal.rs` for `foundation`, with the
 //! integrals of `arc.rs` and `rotated_arc.rs`.
@@ -30,6 +30,9 @@
 //! # Source
 //! Normal force: Hunt, Crossley (1975), J. Appl. Mech. 42, 440-445. Friction: Coulomb's law regularised as by
 //! Andersson, Soderberg, Bjorklund (2007), Tribology International 40, 580-587.
+
+// Compiled into the loops of the lanes, where closures of iterators are not: plain loops.
+#![allow(clippy::needless_range_loop)]
 
 mod arc;
 mod arc_cells;
@@ -46,7 +49,6 @@ mod foundation_tests;
 mod free_region;
 mod integrals;
 mod joint_force;
-mod journal_lanes;
 mod journal_table;
 #[cfg(test)]
 mod journal_tests;
@@ -59,7 +61,6 @@ mod rotated_cells;
 #[cfg(test)]
 mod rotated_cells_tests;
 mod rotated_segment;
-mod rotated_sums;
 mod segment;
 mod surface;
 #[cfg(test)]

@@ -14,7 +14,7 @@
 //!   phi = max(0, 1 + D rho), rho = (dU/dt) / N = (U_0 g_0' + U_1 g_1') / (U_0 + U_1) [m/s],
 //!
 //! with the damping factor D [s/m] and the rate rho of the overlap where the pressure acts: the pad pushes and never pulls, and loses the power
-//! (phi - 1) N rho >= 0. Flat on its face, N = kappa l g, and an impact has the restitution of the equation in `damping.rs`.
+//! (phi - 1) N rho >= 0. Flat on its face, N = kappa l g, and an impact has the restitution of the equation in `surface.rs`.
 //!
 //! # Source
 //! Winkler foundation: Johnson (1985), Contact Mechanics, chapter 4. Damping: Hunt, Crossley (1975), J. Appl. Mech. 42, 440-445. Corners of a

@@ -11,9 +11,6 @@
 //! # Source
 //! Derived here, for the Winkler foundation of `foundation.rs` (Winkler 1867; Johnson 1985).
 
-// Compiled into the loops of the lanes, where closures of iterators are not: plain loops.
-#![allow(clippy::needless_range_loop)]
-
 use super::arc::{Arc, Arcs};
 use super::integrals::{Integrals, RotatedIntegrals, UnitIntegrals};
 use super::journal_table::{Journal, JournalTable, Rotated};

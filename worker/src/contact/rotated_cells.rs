@@ -2,23 +2,19 @@
 //! bore and journal in each lane.
 //!
 //! A cell (`cells.rs`) holds eccentricities about e_0 [m] and angles of the journal for which its table of depths (`journal_table.rs`) stays in one
-//! interval, or in a part of it. Intervals in contact all over the cell add up to a polynomial (`rotated_sums.rs`); only the few
+//! interval, or in a part of it. Intervals in contact all over the cell add up to a polynomial (`rotated_segment.rs`); only the few
 //! intervals about the ends of an arc are looked at for each state, interval by interval in all lanes at once. The integrals are those
 //! of `rotated_arc.rs`, but for rounding; they depend on the state alone, not on the cells met before or on other lanes.
 //!
 //! # Source
 //! Derived here.
 
-// Compiled into the loops of the lanes, where closures of iterators are not: plain loops.
-#![allow(clippy::needless_range_loop)]
-
 use super::arc::Arc;
 use super::cells::{CellContents, Cells, MOST, SIDE, change_of_gaps};
 use super::integrals::{Integrals, RotatedIntegrals, UnitIntegrals};
 use super::journal_table::JournalTable;
 use super::rotated_arc::RotatedArc;
-use super::rotated_segment::RotatedSegment;
-use super::rotated_sums::{RotatedEnd, Whole};
+use super::rotated_segment::{RotatedEnd, RotatedSegment, Whole};
 use super::segment::SEGMENT;
 use crate::lanes::{Lanewise, Real};
 use std::f64::consts::TAU;
@@ -34,7 +30,7 @@ const SIZES: usize = 5;
 /// Bores with worn journals and the cells met last, one per lane.
 #[derive(Debug, Clone)]
 pub struct RotatedCells<R> {
-    cells: Cells<R, 3>,
+    pub(super) cells: Cells<R, 3>,
     contents: RotatedContents<R>,
     /// Spacing s of the tables [rad].
     spacing: R,
@@ -69,12 +65,6 @@ impl<R: Real> RotatedCells<R> {
         };
         (0..R::LANES).for_each(|lane| all.set(lane, arc));
         all
-    }
-
-    /// True if a lane has too many intervals to look at.
-    #[cfg(test)]
-    pub(super) fn is_overfull(&self) -> bool {
-        self.cells.overfull
     }
 
     /// Forgets the cells of a lane, whose bore is `arc` from now on and whose journal is another one.

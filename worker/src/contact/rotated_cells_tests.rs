@@ -84,13 +84,13 @@ fn cells_give_the_integrals_of_the_turned_arc_whatever_cells_were_met_before() {
                 let found = cells.integrate::<true>(&pairs, e, alpha);
                 let first = cells.integrate::<false>(&pairs, e, alpha);
                 let of_first = [first.to_e.v, first.to_e.p[0], first.to_e.p[1], first.t];
-                if !cells.is_overfull() {
+                if !cells.cells.overfull {
                     assert_eq!(of_first, [found.to_e.v, found.to_e.p[0], found.to_e.p[1], found.t]);
                     assert_eq!((first.to_e.d, first.et, first.tt), ([0.0; 3], [0.0; 2], 0.0));
                 }
                 let anew = RotatedCells::new(arc, 0.0).integrate::<true>(&pairs, e, alpha);
                 assert_eq!(bits(&found), bits(&anew), "{e:?}, {alpha}");
-                too_many += usize::from(cells.is_overfull());
+                too_many += usize::from(cells.cells.overfull);
                 let exact = RotatedArc { arc, journal }.integrate::<true>(e, alpha);
                 let (size, extent) = (length(exact.to_e.p), exact.to_e.d[0] + exact.to_e.d[2]);
                 // Lighter contacts lose digits to rounding: 1e-9 m of 2e-5 m leaves eleven.

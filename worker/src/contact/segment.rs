@@ -10,9 +10,6 @@
 //! # Source
 //! Derived here.
 
-// Compiled into the loops of the lanes, where closures of iterators are not: plain loops.
-#![allow(clippy::needless_range_loop)]
-
 use crate::plane::{cross, dot};
 use std::f64::consts::TAU;
 

@@ -8,7 +8,7 @@
 //! Coulomb's law regularised as by Andersson, Soderberg, Bjorklund (2007), Tribology International 40,
 //! 580-587.
 
-use super::damping::{self, Restitution};
+use super::damping::{Restitution, initial};
 use super::joint_force::{ForceSlopes, JointForce, JointMotion};
 use crate::lanes::{Real, cube_root, lanewise, tanh};
 use common::scene::{Clearance, Material};
@@ -49,7 +49,7 @@ lanewise!(Surface {
 impl Surface {
     /// Constants of a checked joint.
     pub(crate) fn new(joint: &Clearance) -> Self {
-        let (damping, restitution) = damping::initial(&joint.contact_damping);
+        let (damping, restitution) = initial(&joint.contact_damping);
         Surface {
             journal_radius: joint.journal_radius,
             clearance: joint.radial_clearance(),

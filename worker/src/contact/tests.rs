@@ -284,7 +284,7 @@ fn foundation_is_conservative_on_a_worn_bore_and_the_local_law_is_not() {
         assert!(conserved.abs() < 1e-6, "foundation at {psi}: {conserved}");
         let gained = loop_work(&local, &profile, path);
         assert!(gained.abs() > 0.01, "local law at {psi}: {gained}");
-        let round = Profile::round(profile.initial_radius(), 36);
+        let round = Profile::round(profile.initial_radius, 36);
         let inside = |s: f64| {
             let (radial, along) = (SURFACE.clearance + 1e-7 + 4e-7 * s.cos(), 2e-6 * s.sin());
             [radial * psi.cos() - along * psi.sin(), radial * psi.sin() + along * psi.cos()]

@@ -74,7 +74,56 @@ impl Dynamics for Impact {
     }
 }
 
+/// The methods of a system without ideal joints whose contacts may begin anywhere.
+macro_rules! plain_system {
+    () => {
+        fn is_constrained(&self) -> bool {
+            false
+        }
+        fn close(&mut self, _t: f64, _q: &mut [f64], _v: &mut [f64]) -> Option<f64> {
+            Some(0.0)
+        }
+        fn begins_contacts(&self) -> bool {
+            false
+        }
+        fn begun(&mut self, _before: &Linearised, _h: f64, _t: f64, _q: &[f64], _v: &[f64]) -> f64 {
+            0.0
+        }
+        fn is_projected(&self) -> bool {
+            false
+        }
+        fn step_length(&self, h: f64, _is_first: bool) -> f64 {
+            h
+        }
+        fn rounding(&self, _h: f64) -> f64 {
+            0.0
+        }
+        fn passing(
+            &mut self,
+            _h: f64,
+            _from: crate::integrate::State,
+            _to: crate::integrate::State,
+        ) -> crate::integrate::Passing {
+            crate::integrate::Passing::Clear
+        }
+        fn dependent_joint(&self) -> Option<usize> {
+            None
+        }
+        fn in_range(&self, _at: &Linearised) -> Result<(), (usize, f64)> {
+            Ok(())
+        }
+        fn locked_joint(&self) -> Option<usize> {
+            None
+        }
+        fn responsible_joint(&self, _coordinate: usize, _at: &Linearised) -> Option<usize> {
+            None
+        }
+    };
+}
+pub(crate) use plain_system;
+
 impl Stepped for Impact {
+    plain_system!();
     fn scales(&self) -> (&[f64], &[f64]) {
         (&self.scale_q, &self.scale_v)
     }
@@ -234,6 +283,8 @@ impl Dynamics for Wall {
 }
 
 impl Stepped for Wall {
+    plain_system!();
+    fn on_accepted(&mut self, _q: &[f64], _v: &[f64], _at: &Linearised) {}
     fn scales(&self) -> (&[f64], &[f64]) {
         (&self.scale_q, &self.scale_v)
     }

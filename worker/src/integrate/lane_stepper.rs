@@ -14,29 +14,17 @@ use std::ops::Range;
 /// Dynamics with what error control needs: scales and constraints.
 pub trait SteppedLanes<R: Real>: Dynamics<R> {
     /// True if the systems have ideal joints, so that [`SteppedLanes::close`] changes their states.
-    fn is_constrained(&self) -> bool {
-        false
-    }
+    fn is_constrained(&self) -> bool;
     /// True if the systems have contacts whose beginning within a step counts as an error, see [`SteppedLanes::begun`].
-    fn begins_contacts(&self) -> bool {
-        false
-    }
+    fn begins_contacts(&self) -> bool;
     /// Error of the steps of length `h` [s] that led from the states linearised as `before` to (`t`, `q`, `v`), in the scales of the systems [1],
     /// because of contacts that began within them: the scheme may not have met their force.
-    fn begun(&mut self, before: &Linearised<R>, h: R, t: R, q: &[R], v: &[R]) -> R {
-        let _ = (before, t, q, v);
-        h.zero()
-    }
+    fn begun(&mut self, before: &Linearised<R>, h: R, t: R, q: &[R], v: &[R]) -> R;
     /// Called with the linearisation `at` of the present states, again where a step was refused: contact laws whose damping depends on the
     /// speed at impact update it here.
-    fn on_accepted(&mut self, at: &Linearised<R>) {
-        let _ = at;
-    }
+    fn on_accepted(&mut self, at: &Linearised<R>);
     /// Moves positions and velocities back onto the constraints of ideal joints at the times `t` [s], in lanes where `wanted` is one.
-    fn close(&mut self, t: R, wanted: R, q: &mut [R], v: &mut [R]) -> Closed<R> {
-        let _ = (q, v);
-        Closed { drift: t.zero(), closed: wanted }
-    }
+    fn close(&mut self, t: R, wanted: R, q: &mut [R], v: &mut [R]) -> Closed<R>;
     /// Inverse scales of the local error of position and velocity `(n,)` [1/m or 1/rad, s/m or s/rad].
     fn inverse_scales(&self) -> &[(R, R)];
 }
@@ -52,7 +40,7 @@ pub struct LaneStepper<R> {
     /// Velocities `(n,)` [m/s, rad/s].
     pub v: Vec<R>,
     /// Time reached, step control and counts of each lane; the span of an idle lane is empty.
-    progress: SpanProgress<R>,
+    pub(crate) progress: SpanProgress<R>,
     /// One in lanes with a system, zero in idle ones.
     busy: R,
     /// One in busy lanes whose present state no earlier round has linearised, else zero.
@@ -121,12 +109,6 @@ impl<R: Real> LaneStepper<R> {
             flag.set_lane(lane, 0.0);
         }
         progress
-    }
-
-    /// Times of the states of this round [s].
-    #[inline(always)]
-    pub(crate) fn time(&self) -> R {
-        self.progress.time
     }
 
     /// First half of a round: linearises the state of every lane and tries a step from it.

@@ -1,8 +1,8 @@
 //! Two steppers integrate the dynamics: `Stepper` one island, `LaneStepper` many islands at once. They must take the same decisions.
 
 use super::{
-    Band, Dynamics, IntegrationError, LaneStepper, Linearised, StateObserver, StepControl, StepCounts,
-    Stepped, SteppedLanes, Stepper,
+    Band, Closed, Dynamics, IntegrationError, LaneStepper, Linearised, StateObserver, StepControl,
+    StepCounts, Stepped, SteppedLanes, Stepper,
 };
 use std::ops::Range;
 
@@ -28,12 +28,27 @@ impl Dynamics for Bouncing {
 }
 
 impl Stepped for Bouncing {
+    crate::integrate::impact_tests::plain_system!();
+    fn on_accepted(&mut self, _q: &[f64], _v: &[f64], _at: &Linearised) {}
     fn scales(&self) -> (&[f64], &[f64]) {
         (&[1e-4], &[1.0])
     }
 }
 
 impl SteppedLanes<f64> for Bouncing {
+    fn is_constrained(&self) -> bool {
+        false
+    }
+    fn begins_contacts(&self) -> bool {
+        false
+    }
+    fn begun(&mut self, _before: &Linearised, _h: f64, _t: f64, _q: &[f64], _v: &[f64]) -> f64 {
+        0.0
+    }
+    fn on_accepted(&mut self, _at: &Linearised) {}
+    fn close(&mut self, _t: f64, wanted: f64, _q: &mut [f64], _v: &mut [f64]) -> Closed {
+        Closed { drift: 0.0, closed: wanted }
+    }
     fn inverse_scales(&self) -> &[(f64, f64)] {
         &[(1.0 / 1e-4, 1.0)]
     }
@@ -66,7 +81,7 @@ fn by_lane(span: Range<f64>, control: StepControl) -> Run {
     loop {
         stepper.try_steps(&mut Bouncing);
         if stepper.fresh == 1.0 {
-            accepted.0.push([stepper.time(), stepper.q[0], stepper.v[0]]);
+            accepted.0.push([stepper.progress.time, stepper.q[0], stepper.v[0]]);
         }
         let stopped = stepper.finish_round(0.0);
         if let Some(result) = stepper.outcome(0, std::iter::empty()) {

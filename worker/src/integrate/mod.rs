@@ -10,7 +10,7 @@
 //! | `layout.rs`, `linear.rs` | banded and dense matrices and their factorisations |
 
 #[cfg(test)]
-mod impact_tests;
+pub(crate) mod impact_tests;
 mod lane_stepper;
 #[cfg(test)]
 mod lane_stepper_tests;
@@ -34,7 +34,7 @@ pub(crate) use rosenbrock::Rosenbrock;
 pub use stepper::{StateObserver, Stepper};
 
 use crate::contact::{GuideReaction, JointForce};
-use crate::lanes::Real;
+use crate::lanes::{Lanewise, Real};
 
 /// Systems M qdd = f(q, qd, t) with a constant diagonal mass matrix, one per lane.
 pub trait Dynamics<R: Real = f64> {
@@ -49,76 +49,43 @@ pub trait Dynamics<R: Real = f64> {
 /// One such system with what error control needs: scales, constraints, range and memory.
 pub trait Stepped: Dynamics {
     /// True if the system has ideal joints, so that [`Stepped::close`] changes its state.
-    fn is_constrained(&self) -> bool {
-        false
-    }
+    fn is_constrained(&self) -> bool;
     /// Moves positions and velocities back onto the constraints of ideal joints. Returns the largest distance by which a joint had
     /// drifted open [m], or `None` if the joints cannot be closed.
-    fn close(&mut self, t: f64, q: &mut [f64], v: &mut [f64]) -> Option<f64> {
-        let _ = (t, q, v);
-        Some(0.0)
-    }
+    fn close(&mut self, t: f64, q: &mut [f64], v: &mut [f64]) -> Option<f64>;
     /// True if the system has contacts whose beginning within a step counts as an error, see [`Stepped::begun`].
-    fn begins_contacts(&self) -> bool {
-        false
-    }
+    fn begins_contacts(&self) -> bool;
     /// Error of the step of length `h` [s] that led from the state linearised as `before` to (`t`, `q`, `v`), in the scales of the system [1], because
     /// of contacts that began within it: the scheme may not have met their force.
-    fn begun(&mut self, before: &Linearised, h: f64, t: f64, q: &[f64], v: &[f64]) -> f64 {
-        let _ = (before, h, t, q, v);
-        0.0
-    }
+    fn begun(&mut self, before: &Linearised, h: f64, t: f64, q: &[f64], v: &[f64]) -> f64;
     /// Whether the next step has to be explicit, with the constraints of ideal joints closed at each of its stages: near positions in
     /// which they are dependent, where their forces depend on the least displacement, and for many ideal joints.
-    fn is_projected(&self) -> bool {
-        false
-    }
+    fn is_projected(&self) -> bool;
     /// A length for an explicit step that suits the positions in which the constraints are dependent: at most `h` [s], but for the first
     /// step tried from a state near such a position.
-    fn step_length(&self, h: f64, is_first: bool) -> f64 {
-        let _ = is_first;
-        h
-    }
+    fn step_length(&self, h: f64, is_first: bool) -> f64;
     /// Largest error by rounding in an explicit step of length `h` [s], over the scales [1].
-    fn rounding(&self, h: f64) -> f64 {
-        let _ = h;
-        0.0
-    }
+    fn rounding(&self, h: f64) -> f64;
     /// How a step of length `h` [s], after which the ideal joints are closed, passes positions in which their constraints are
     /// dependent.
-    fn passing(&mut self, h: f64, from: State, to: State) -> Passing {
-        let _ = (h, from, to);
-        Passing::Clear
-    }
+    fn passing(&mut self, h: f64, from: State, to: State) -> Passing;
     /// The joint to name if the constraints of the ideal joints are nearly dependent in the state last linearised: an index into the
     /// scene's joints.
-    fn dependent_joint(&self) -> Option<usize> {
-        None
-    }
+    fn dependent_joint(&self) -> Option<usize>;
     /// Scales of q and qd against which errors are measured `(n,)` each.
     fn scales(&self) -> (&[f64], &[f64]);
     /// Called after each accepted step with the state last linearised: contact laws whose damping depends on the speed at
     /// impact update it here.
-    fn on_accepted(&mut self, q: &[f64], v: &[f64], at: &Linearised) {
-        let _ = (q, v, at);
-    }
+    fn on_accepted(&mut self, q: &[f64], v: &[f64], at: &Linearised);
     /// Checks that the state lies in the range of the contact laws.
     ///
     /// # Errors
     /// The joint that left the range, and its penetration [m].
-    fn in_range(&self, at: &Linearised) -> Result<(), (usize, f64)> {
-        let _ = at;
-        Ok(())
-    }
+    fn in_range(&self, at: &Linearised) -> Result<(), (usize, f64)>;
     /// The ideal joint that locks itself, if the force did not exist for that reason at a state tried since the last linearisation.
-    fn locked_joint(&self) -> Option<usize> {
-        None
-    }
+    fn locked_joint(&self) -> Option<usize>;
     /// The joint to name when the error of this coordinate stops the integration.
-    fn responsible_joint(&self, coordinate: usize, at: &Linearised) -> Option<usize> {
-        let _ = (coordinate, at);
-        None
-    }
+    fn responsible_joint(&self, coordinate: usize, at: &Linearised) -> Option<usize>;
 }
 
 /// State at one end of a step.
@@ -212,7 +179,7 @@ impl<R: Real> Linearised<R> {
             d: vec![zero; band.len()],
             ft: vec![zero; band.n()],
             band,
-            joints: vec![JointForce::none(zero); joints],
+            joints: vec![JointForce::default().in_lanes(zero); joints],
             e: vec![[zero; 2]; joints],
             turns: vec![zero; joints],
             guides: vec![],

@@ -25,9 +25,8 @@
 // Each loop runs over one row index of several vectors at once.
 #![allow(clippy::needless_range_loop)]
 
-use super::layout::{Layout, with_layout};
-use super::linear::{add_product, factor, solve};
-use super::{Band, Dynamics, Linearised};
+use super::layout::with_layout;
+use super::{Band, Dynamics, Layout, Linearised, add_product, factor, solve};
 use crate::lanes::Real;
 
 /// gamma, the diagonal of the Runge-Kutta matrix.

@@ -4,10 +4,9 @@
 //! [`super::LaneStepper`] does the same for systems without either, one per lane. The decisions about a step are those of
 //! [`SpanProgress`] in both.
 
-use super::progress::{nan_as_infinite, worst_coordinate};
 use super::{
     IntegrationError, Linearised, Passing, ProjectedStep, Rosenbrock, SpanProgress, State, StepControl,
-    StepCounts, StepDecisions, Stepped, projected_step_ratio, step_ratio,
+    StepCounts, StepDecisions, Stepped, nan_as_infinite, projected_step_ratio, step_ratio, worst_coordinate,
 };
 use crate::lanes::{Vectorised, fused};
 use std::ops::Range;

@@ -15,6 +15,22 @@ pub trait Lanewise {
     fn has_same_topology(&self, other: &Self) -> bool;
 }
 
+/// Implements [`Lanewise`] for a value that is the same in all lanes.
+macro_rules! same_in_lanes {
+    ($name:ty) => {
+        impl $crate::lanes::Lanewise for $name {
+            type Lanes<R: $crate::lanes::Real> = $name;
+            fn in_lanes<R: $crate::lanes::Real>(&self, _like: R) -> $name {
+                *self
+            }
+            fn write_lane<R: $crate::lanes::Real>(&self, _lane: usize, _to: &mut $name) {}
+            fn has_same_topology(&self, other: &Self) -> bool {
+                self == other
+            }
+        }
+    };
+}
+
 impl Lanewise for f64 {
     type Lanes<R: Real> = R;
     fn in_lanes<R: Real>(&self, like: R) -> R {
@@ -28,16 +44,7 @@ impl Lanewise for f64 {
     }
 }
 
-impl Lanewise for usize {
-    type Lanes<R: Real> = usize;
-    fn in_lanes<R: Real>(&self, _like: R) -> usize {
-        *self
-    }
-    fn write_lane<R: Real>(&self, _lane: usize, _to: &mut usize) {}
-    fn has_same_topology(&self, other: &Self) -> bool {
-        self == other
-    }
-}
+same_in_lanes!(usize);
 
 impl<T: Lanewise, const N: usize> Lanewise for [T; N] {
     type Lanes<R: Real> = [T::Lanes<R>; N];
@@ -132,4 +139,4 @@ macro_rules! lanewise {
     };
 }
 
-pub(crate) use {in_lane, lanewise};
+pub(crate) use {in_lane, lanewise, same_in_lanes};

@@ -7,9 +7,6 @@
 //! # Source
 //! Coordinate projection: Eich (1993), SIAM J. Numer. Anal. 30, 1467-1482.
 
-// In lanes, closures of iterators are not compiled for the instruction set of the loop around them.
-#![allow(clippy::needless_range_loop)]
-
 use super::elimination::Elimination;
 use super::extent::{ROUNDING, farthest};
 use super::frame::Placed;

@@ -17,15 +17,12 @@
 //! Haug (1989), Computer Aided Kinematics and Dynamics of Mechanical Systems; Nikravesh (1988),
 //! Computer-Aided Analysis of Mechanical Systems.
 
-// In lanes, closures of iterators are not compiled for the instruction set of the loop around them.
-#![allow(clippy::needless_range_loop)]
-
 use super::coupling::{Geometry, second_derivative};
 use super::frame::{End, Frame};
 use super::piecewise_cubic::Jet;
 use super::prescribed::Prescribed;
 use super::sliding::{FrictionConstants, NormalForce, Sliding};
-use crate::lanes::{Lanewise, Real, lanewise};
+use crate::lanes::{Real, lanewise, same_in_lanes};
 use crate::plane::{dot, left};
 use common::scene::{GuideClearance, IdealFriction, JointKind, Mesh};
 use std::f64::consts::TAU;
@@ -70,16 +67,7 @@ pub enum Kind {
     Mesh,
 }
 
-impl Lanewise for Kind {
-    type Lanes<R: Real> = Kind;
-    fn in_lanes<R: Real>(&self, _like: R) -> Kind {
-        *self
-    }
-    fn write_lane<R: Real>(&self, _lane: usize, _to: &mut Kind) {}
-    fn has_same_topology(&self, other: &Self) -> bool {
-        self == other
-    }
-}
+same_in_lanes!(Kind);
 
 /// First row of each constraint, and the total number of rows.
 pub(crate) fn first_rows<R: Real>(constraints: &[Constraint<R>]) -> (Vec<usize>, usize) {
@@ -183,7 +171,7 @@ impl<R: Real> Constraint<R> {
         let size = self.friction?.size;
         Some(match self.kind {
             Kind::Prismatic => NormalForce::in_guide(size),
-            _ => NormalForce::on_pin(),
+            _ => NormalForce { per_half: None },
         })
     }
 

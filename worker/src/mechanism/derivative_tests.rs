@@ -1,12 +1,10 @@
 //! Derivatives of the generalised forces, of one pair of bodies and of whole islands, against central
 //! differences.
 
-use super::frame::End;
-use super::joint::{Blocks, PairForce, PairMotion, pair_force};
-use super::wearing_pair::WearingPair;
-use super::{Frame, Island, ideal_cycle, islands};
+use super::joint::{Blocks, PairMotion, PairSlopes, pair_force};
+use super::{End, Frame, Island, WearingPair, ideal_cycle, islands};
 use crate::bore::Profile;
-use crate::contact::{Contact, Journal, LawLanes, Surfaces};
+use crate::contact::{Contact, JointForce, Journal, LawLanes, Surfaces};
 use crate::integrate::{Dynamics, StepControl, StepCounts, Stepped, Stepper};
 use common::scene::*;
 use std::f64::consts::TAU;
@@ -66,7 +64,11 @@ struct Alone {
 
 impl Alone {
     /// Generalised forces on bodies in these frames.
-    fn pair_force<const JACOBIAN: bool>(&self, i: &Frame, j: &Frame) -> PairForce {
+    fn pair_force<const JACOBIAN: bool>(
+        &self,
+        i: &Frame,
+        j: &Frame,
+    ) -> ([f64; 6], JointForce, PairSlopes<f64>) {
         let surfaces = Surfaces { bore: &self.profile, journal: self.journal.as_ref() };
         let law = LawLanes::new(&self.contact, surfaces, 0.0);
         let ends = [End { frame: 0, arm: ARM_I }, End { frame: 1, arm: ARM_J }];
@@ -92,7 +94,7 @@ fn pair_derivatives_agree_with_differences() {
         let joint = Alone { contact, profile, journal };
         let force = |q: &[f64; 6], v: &[f64; 6]| {
             let (i, j) = (Frame::free(&q[..3], &v[..3]), Frame::free(&q[3..], &v[3..]));
-            joint.pair_force::<false>(&i, &j).f
+            joint.pair_force::<false>(&i, &j).0
         };
         for k in 0..12 {
             // The journal's centre at a chosen eccentricity in the bushing's frame.
@@ -125,7 +127,7 @@ fn pair_derivatives_agree_with_differences() {
                 let (i, j) = (Frame::free(&q[..3], &v[..3]), Frame::free(&q[3..], &v[3..]));
                 joint.pair_force::<true>(&i, &j)
             };
-            assert!(exact.joint.normal > 0.0);
+            assert!(exact.1.normal > 0.0);
             let differences = |step: [f64; 2], of_rates: bool| -> Vec<Vec<f64>> {
                 (0..6)
                     .map(|c| {
@@ -139,8 +141,8 @@ fn pair_derivatives_agree_with_differences() {
                     .collect()
             };
             let blocks = [
-                [exact.slopes.block::<0, 0>(), exact.slopes.block::<0, 1>()],
-                [exact.slopes.block::<1, 0>(), exact.slopes.block::<1, 1>()],
+                [exact.2.block::<0, 0>(), exact.2.block::<0, 1>()],
+                [exact.2.block::<1, 0>(), exact.2.block::<1, 1>()],
             ];
             let entry = |rates: usize, r: usize, c: usize| blocks[r / 3][c / 3][rates][r % 3][c % 3];
             let k_off = worst(6, |r, c| entry(0, r, c), &differences([2e-10, 2e-8], false));
@@ -355,7 +357,7 @@ fn derivatives_with_ideal_joints_and_every_load_agree_with_differences() {
     let scene = everything();
     let mut found = islands(&scene).expect("it is modelled");
     let [island] = found.as_mut_slice() else { panic!("one island") };
-    assert_eq!((island.coordinates(), island.constraint_rows()), (12, 11));
+    assert_eq!((island.coordinates(), island.ideal.rows), (12, 11));
     for state in states(&scene, island) {
         check(island, &state, [1e-7, 1e-6, 1e-5, 1e-4, 1e-6], 1e-4, "everything");
     }

@@ -20,9 +20,6 @@
 //! Autom. Des. 108, 183-188. Null space method: Benzi, Golub, Liesen (2005), Acta Numerica 14, 1-137.
 //! Coordinate projection: Eich (1993), SIAM J. Numer. Anal. 30, 1467-1482.
 
-// In lanes, closures of iterators are not compiled for the instruction set of the loop around them.
-#![allow(clippy::needless_range_loop)]
-
 use super::constraint::{Constraint, first_rows};
 use super::coupling::JointInput;
 use super::frame::{Frame, Placed};
@@ -43,7 +40,7 @@ pub struct Elimination<R = f64> {
     /// Number of coordinates n.
     n: usize,
     /// Number of rows m.
-    m: usize,
+    pub(crate) rows: usize,
     /// Values phi of the constraints, or another column `(m,)`.
     pub(super) phi: Vec<R>,
     /// Q and R.
@@ -53,7 +50,7 @@ pub struct Elimination<R = f64> {
     /// Derivatives of G a + h `(m, n)`.
     c: Vec<R>,
     /// Friction of the joints.
-    friction: JointFriction<R>,
+    pub(crate) friction: JointFriction<R>,
 }
 
 /// Whether the reactions of the ideal joints exist, one or zero.
@@ -75,8 +72,8 @@ impl Elimination {
     /// The constraints and the number of their rows alone, without space for factors and derivatives.
     pub(crate) fn without_factors(constraints: Vec<Constraint>) -> Self {
         let none = Self::with_roots(vec![], vec![], 0.0);
-        let (first, m) = first_rows(&constraints);
-        Elimination { constraints, first, m, ..none }
+        let (first, rows) = first_rows(&constraints);
+        Elimination { constraints, first, rows, ..none }
     }
 
     /// The elimination with what constraints of these indices are given.
@@ -105,12 +102,6 @@ impl Elimination {
         to.factors.set_lane(lane, &self.factors);
     }
 
-    /// The joint whose friction amplifies its own reaction most, if the joints have been found to lock themselves since the last
-    /// linearisation: index into the constraints.
-    pub(crate) fn locked_joint(&self) -> Option<usize> {
-        self.friction.locked_constraint()
-    }
-
     /// Whether both join the same bodies by the same kinds of joints.
     pub(crate) fn has_same_topology(&self, other: &Self) -> bool {
         let mut pairs = self.constraints.iter().zip(&other.constraints);
@@ -129,7 +120,7 @@ impl<R: Real> Elimination<R> {
             inputs: vec![],
             first,
             n,
-            m,
+            rows: m,
             phi: vec![zero; m],
             factors: OrthonormalRows::new(m, root, like),
             lambda: vec![zero; m],
@@ -158,24 +149,6 @@ impl<R: Real> Elimination<R> {
             }
         }
         power
-    }
-
-    /// Number m of scalar constraints.
-    #[inline(always)]
-    pub(crate) fn rows(&self) -> usize {
-        self.m
-    }
-
-    /// One where no row was nearly dependent on those before it in the state last factored, else zero.
-    #[inline(always)]
-    pub(crate) fn apart(&self) -> R {
-        self.factors.apart
-    }
-
-    /// Number of joints with friction.
-    #[inline(always)]
-    pub(crate) fn friction_joints(&self) -> usize {
-        self.friction.count()
     }
 
     /// Fills phi, Q and R. Returns one, zero in lanes where the constraints are dependent.

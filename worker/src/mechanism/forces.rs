@@ -7,9 +7,6 @@
 //! K and D consist of blocks of 3 x 3: the force on one body by the motion of another. The first joint or load that acts on a pair of bodies writes its
 //! block, those after it add to it, and the blocks that none has written are set to zero at the end: cheaper than to set all to zero before.
 
-// In lanes, closures of iterators are not compiled for the instruction set of the loop around them.
-#![allow(clippy::needless_range_loop)]
-
 use super::frame::Frame;
 use super::guide::Guiding;
 use super::joint::{Blocks, PairMotion, Touching, pair_force};
@@ -34,7 +31,7 @@ pub(super) struct Acting<'a, R, J, G> {
 
 /// Space for what is computed of all joints before the next step is done of any: all are long chains of operations, and those of several
 /// joints side by side fill the time that one alone waits.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct JointSpace<R> {
     /// Motion of each joint `(joints,)`.
     pub(super) pairs: Vec<PairMotion<R>>,
@@ -47,18 +44,13 @@ impl<R: Real> JointSpace<R> {
     pub(super) fn new(joints: &[impl Touching<R>], like: R) -> Self {
         let zero = like.zero();
         let at_rest = Frame { x: [zero; 2], angle: zero, cs: [zero; 2], v: [zero; 2], omega: zero };
-        let pair = |joint: &_| PairMotion::new(Touching::ends(joint), &at_rest, &at_rest);
+        let pair = |joint: &_| PairMotion::new(Touching::parts(joint).0, &at_rest, &at_rest);
         let pairs: Vec<_> = joints.iter().map(pair).collect();
-        let wall =
-            |(joint, pair): (&_, &PairMotion<R>)| Touching::law(joint).walls(&pair.place, pair.motion.turn);
+        let wall = |(joint, pair): (&_, &PairMotion<R>)| {
+            Touching::parts(joint).1.walls(&pair.place, pair.motion.turn)
+        };
         let walls = joints.iter().zip(&pairs).map(wall).collect();
         JointSpace { pairs, walls }
-    }
-}
-
-impl<R> Default for JointSpace<R> {
-    fn default() -> Self {
-        JointSpace { pairs: vec![], walls: vec![] }
     }
 }
 
@@ -84,21 +76,21 @@ impl<R: Real, J: Touching<R>, G: Guiding<R>> Acting<'_, R, J, G> {
         }
         let JointSpace { pairs, walls } = space;
         for (joint, pair) in self.joints.iter().zip(&mut *pairs) {
-            let [i, j] = joint.ends();
+            let ([i, j], _) = joint.parts();
             *pair = PairMotion::new([i, j], &self.frames[i.frame], &self.frames[j.frame]);
         }
         for (joint, (pair, wall)) in self.joints.iter().zip(pairs.iter().zip(&mut *walls)) {
-            *wall = joint.law().walls(&pair.place, pair.motion.turn);
+            *wall = joint.parts().1.walls(&pair.place, pair.motion.turn);
         }
         for (index, (joint, (pair, wall))) in self.joints.iter().zip(pairs.iter().zip(&*walls)).enumerate() {
-            let [i, j] = joint.ends();
+            let ([i, j], law) = joint.parts();
             let (fi, fj) = (&self.frames[i.frame], &self.frames[j.frame]);
-            let pair = pair_force::<R, JACOBIAN>(joint.law(), pair, wall, fi, fj);
-            self.add::<JACOBIAN>([i.frame, j.frame], &pair.f, &pair.slopes, f, (at, &mut written));
+            let (force, joint, slopes) = pair_force::<R, JACOBIAN>(law, pair, wall, fi, fj);
+            self.add::<JACOBIAN>([i.frame, j.frame], &force, &slopes, f, (at, &mut written));
             if JACOBIAN {
-                at.joints[index] = pair.joint;
-                at.e[index] = pair.e;
-                at.turns[index] = pair.turn;
+                at.joints[index] = joint;
+                at.e[index] = pair.motion.e;
+                at.turns[index] = pair.motion.turn;
             }
         }
         for (index, guide) in self.guides.iter().enumerate() {

@@ -74,6 +74,9 @@ pub struct End<R = f64> {
 
 lanewise!(End { frame, arm });
 
+/// Time [s], positions `(n,)` [m, rad] and velocities `(n,)` [m/s, rad/s] of an island's free bodies.
+pub type TimedState<'a> = (f64, &'a [f64], &'a [f64]);
+
 /// State of an island's bodies, free ones first.
 #[derive(Clone, Copy)]
 pub struct Placed<'a, R = f64> {

@@ -1,7 +1,7 @@
 //! Normal forces of ideal joints that hold with the friction that follows from them.
 //!
 //! With the multipliers lambda_0 `(m,)` without friction, those p_k `(m,)` of a unit friction force in joint k, the ratios c_k = F_T / N of
-//! friction to normal force [1] and the normal forces N_k as functions of the two multipliers of their joint (`sliding.rs`),
+//! friction to normal force [1] and the normal forces N_k as functions of the two multipliers of their joint (`coupling.rs`),
 //!
 //!   lambda = lambda_0 - sum_k p_k c_k x_k,  x_k = N_k(lambda),
 //!
@@ -18,9 +18,6 @@
 //! Solvability with friction in ideal joints: Fraczek, Wojtyra (2011), Mechanism and Machine Theory 46, 312-334; Genot, Brogliato
 //! (1999), European Journal of Mechanics A/Solids 18, 653-677. Newton's method for functions with corners: Qi, Sun (1993),
 //! Mathematical Programming 58, 353-367.
-
-// In lanes, closures of iterators are not compiled for the instruction set of the loop around them.
-#![allow(clippy::needless_range_loop)]
 
 use super::sliding::NormalForce;
 use crate::integrate::{Band, Layout, factor, solve};
@@ -181,7 +178,11 @@ mod tests {
         };
         let joint = |k: usize| RubbingJoint {
             row: 2 * k,
-            law: if k.is_multiple_of(2) { NormalForce::on_pin() } else { NormalForce::in_guide(0.5) },
+            law: if k.is_multiple_of(2) {
+                NormalForce { per_half: None }
+            } else {
+                NormalForce::in_guide(0.5)
+            },
             ratio: 1.0,
             normal: 0.0,
             slopes: [0.0; 2],

@@ -22,9 +22,6 @@
 //! Contact situations and corners: Flores, Ambrosio, Claro, Lankarani (2008), J. Comput. Nonlinear Dyn. 3, 011007. Stiffness of a flat
 //! contact: Timoshenko, Goodier (1970), Theory of Elasticity, section 139. Friction as in `contact/surface.rs`.
 
-// In lanes, closures of iterators are not compiled for the instruction set of the loop around them.
-#![allow(clippy::needless_range_loop)]
-
 use super::frame::{End, Frame};
 use super::load::LoadForce;
 use crate::contact::{GuideReaction, PADS, PadForce, Restitution, coulomb, initial_damping, pad_force};

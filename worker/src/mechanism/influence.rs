@@ -18,9 +18,8 @@
 //! Haug (1989), Computer Aided Kinematics and Dynamics of Mechanical Systems. Clearances by virtual work: Innocenti
 //! (2002), J. Mech. Design 124, 52-57.
 
-use super::assembly::Pose;
 use super::closure::Closure;
-use super::prescribed::Prescribed;
+use super::{Pose, Prescribed};
 use crate::plane::{dot, left};
 use common::scene::{Attachment, HeldInput, JointKind, Scene};
 use nalgebra::DVector;

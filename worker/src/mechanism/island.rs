@@ -2,7 +2,6 @@
 //! Islands have no forces in common; each is integrated with its own steps.
 
 use super::closing::IdealJoints;
-use super::constraint::Constraint;
 use super::elimination::Elimination;
 use super::extent::least_arm;
 use super::forces::{Acting, JointSpace};
@@ -14,24 +13,12 @@ use super::passage::Passage;
 use super::piecewise_cubic::Jet;
 use super::prescribed::Prescribed;
 use super::wearing_guide::WearingGuide;
-use super::wearing_joint::WearingJoint;
-use super::wearing_pair::WearingPair;
+use super::wearing_joint::{WearingJoint, WearingPair};
 use crate::contact::{GuideReaction, JointMotion};
 use crate::extremum::{largest, smallest};
 use crate::integrate::{Band, Linearised};
 use crate::plane::length;
 use common::scene::Scene;
-
-/// Energy of an island and power of its loads at one instant, without contacts.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct LoadPower {
-    /// Kinetic energy and potential energy of gravity and springs [J].
-    pub stored: f64,
-    /// Power lost in dampers [W].
-    pub lost: f64,
-    /// Power of loads without potential [W].
-    pub driving: f64,
-}
 
 /// Free bodies that influence each other, with the joints and loads that act on them.
 #[derive(Debug, Clone)]
@@ -45,7 +32,7 @@ pub struct Island {
     /// The island's guides with clearance.
     pub guides: Vec<WearingGuide>,
     /// The island's ideal joints, eliminated.
-    pub(super) ideal: Elimination,
+    pub(crate) ideal: Elimination,
     /// Positions in which they become dependent for an instant, if they may.
     pub(super) passage: Option<Box<Passage>>,
     pub(super) prescribed: Vec<Prescribed>,
@@ -59,7 +46,7 @@ pub struct Island {
     /// Frames of the free bodies, then of the prescribed ones, at the state last set.
     pub(super) frames: Vec<Frame>,
     /// Angles of the prescribed bodies with their derivatives, at the state last set.
-    pub(super) jets: Vec<Jet>,
+    pub(crate) jets: Vec<Jet>,
     pub(super) space: JointSpace<f64>,
 }
 
@@ -93,21 +80,11 @@ impl Island {
         self.mass.len()
     }
 
-    /// The island's ideal joints as constraints.
-    pub(crate) fn constraints(&self) -> &[Constraint] {
-        &self.ideal.constraints
-    }
-
-    /// Number of scalar constraints of the ideal joints.
-    pub(crate) fn constraint_rows(&self) -> usize {
-        self.ideal.rows()
-    }
-
     /// Entries of the island's matrices that may differ from zero: all of them if ideal joints couple the
     /// bodies.
     pub(super) fn band(&self) -> Band {
         let n = self.coordinates();
-        if self.ideal.rows() > 0 && !self.is_large() {
+        if self.ideal.rows > 0 && !self.is_large() {
             return Band::new(n, n);
         }
         let contacts = self.joints.iter().map(|j| j.ends.map(|end| end.frame).to_vec());
@@ -121,17 +98,12 @@ impl Island {
         Band::new(n, 3 * frames.map(reach).max().unwrap_or(0) + 2)
     }
 
-    /// True if an ideal joint has friction.
-    pub(crate) fn has_friction(&self) -> bool {
-        self.ideal.friction_joints() > 0
-    }
-
     /// True if every step is explicit, since the ideal joints are many: the island has no derivatives and is never in lanes.
     pub(crate) fn is_large(&self) -> bool {
         self.passage.as_ref().is_some_and(|passage| passage.is_large)
     }
 
-    /// Force in each ideal joint at the state of `at`, in the order of [`Self::constraints`] [N].
+    /// Force in each ideal joint at the state of `at`, in the order of [`Self::ideal`] [N].
     pub(crate) fn ideal_forces<'a>(&'a self, at: &'a Linearised) -> impl Iterator<Item = f64> + 'a {
         let (mut first, mut rubbing) = (0, at.friction.iter());
         self.ideal.constraints.iter().map(move |c| {
@@ -145,8 +117,8 @@ impl Island {
     /// Storage for [`Linearised`].
     pub fn linearised(&self) -> Linearised {
         Linearised {
-            lambda: vec![0.0; self.ideal.rows()],
-            friction: vec![[0.0; 2]; self.ideal.friction_joints()],
+            lambda: vec![0.0; self.ideal.rows],
+            friction: vec![[0.0; 2]; self.ideal.friction.count()],
             prescribed: vec![[0.0; 3]; self.prescribed.len()],
             guides: vec![GuideReaction::default(); self.guides.len()],
             ..Linearised::new(0.0, self.band(), self.joints.len())
@@ -229,39 +201,35 @@ impl Island {
             self.prescribed.iter().zip(&mut self.frames[free..]).zip(&mut self.jets)
         {
             *jet = prescribed.jet(t);
-            *frame = Frame::turning(prescribed.position(), jet);
+            *frame = Frame::turning(prescribed.position, jet);
         }
         self.ideal.update_inputs(t, &self.frames);
     }
 
-    /// Power of the linear drives at the state of `at` [W].
-    pub(crate) fn driving_power(&self, at: &Linearised) -> f64 {
-        self.ideal.driving_power(&at.lambda)
-    }
-
-    /// Energies and powers of masses and loads, at the state last set.
-    pub(crate) fn load_power(&self, t: f64, v: &[f64]) -> LoadPower {
+    /// Of masses and loads, at the state last set: kinetic energy and potential energy of gravity and springs [J], power lost in dampers [W],
+    /// and power of loads without potential [W].
+    pub(crate) fn load_power(&self, t: f64, v: &[f64]) -> [f64; 3] {
         let kinetic = v.iter().zip(&self.mass).map(|(v, mass)| 0.5 * mass * v * v).sum();
-        let mut power = LoadPower { stored: kinetic, ..LoadPower::default() };
+        let (mut stored, mut lost, mut driving): (f64, f64, f64) = (kinetic, 0.0, 0.0);
         for (slot, weight) in self.weight.chunks_exact(3).enumerate() {
             let x = self.frames[slot].x;
-            power.stored -= weight[0] * x[0] + weight[1] * x[1];
+            stored -= weight[0] * x[0] + weight[1] * x[1];
         }
         for source in &self.loads {
             let load = source.force(t, &self.frames);
-            power.stored += load.stored;
-            power.lost += load.lost;
+            stored += load.stored;
+            lost += load.lost;
             if source.drives() {
-                power.driving += load.lost;
+                driving += load.lost;
                 for (side, &frame) in load.frames.iter().enumerate().filter(|&(_, &frame)| frame != NO_FRAME)
                 {
                     let Frame { v, omega, .. } = self.frames[frame];
                     let f = &load.f[3 * side..];
-                    power.driving += f[0] * v[0] + f[1] * v[1] + f[2] * omega;
+                    driving += f[0] * v[0] + f[1] * v[1] + f[2] * omega;
                 }
             }
         }
-        power
+        [stored, lost, driving]
     }
 
     /// Motion of a joint with clearance, at the state last set.
@@ -302,12 +270,7 @@ impl Island {
 
     /// Index into the scene's joints of all of them: the contacts, then the ideal ones.
     pub(crate) fn all_joints(&self) -> impl Iterator<Item = usize> + '_ {
-        self.contacts().chain(self.constraints().iter().map(|c| c.scene_joint))
-    }
-
-    /// Angular velocities of the prescribed bodies, at the state last set [rad/s].
-    pub(crate) fn prescribed_speeds(&self) -> impl Iterator<Item = f64> + '_ {
-        self.jets.iter().map(|jet| jet[1])
+        self.contacts().chain(self.ideal.constraints.iter().map(|c| c.scene_joint))
     }
 }
 

@@ -2,10 +2,10 @@
 //! which the ideal joints are dependent.
 
 use super::closing::{close, least_gap};
+use super::effective_mass::begun;
 use super::elimination::Existence;
 use super::extent::farthest;
 use super::frame::{End, Placed};
-use super::guide_onset::begun;
 use super::island::Island;
 use super::passage::{Comparison, Passage, on_path};
 use crate::extremum::{largest, smallest};
@@ -32,7 +32,7 @@ impl Island {
     pub(super) fn begin_step(&mut self, t: f64, q: &[f64], v: &[f64]) {
         let Some(mut passage) = self.passage.take() else { return };
         // With the masses as weights a dependence is seen too, but light bodies give small shares anywhere.
-        if !passage.is_large && self.ideal.apart() == 1.0 {
+        if !passage.is_large && self.ideal.factors.apart == 1.0 {
             passage.begin_apart();
         } else {
             passage.begin(self.placed(), self.size);
@@ -136,7 +136,7 @@ impl Vectorised for Closing<'_> {
 
 impl Stepped for Island {
     fn is_constrained(&self) -> bool {
-        self.ideal.rows() > 0
+        self.ideal.rows > 0
     }
 
     fn begins_contacts(&self) -> bool {
@@ -172,11 +172,8 @@ impl Stepped for Island {
 
     fn passing(&mut self, h: f64, from: State, to: State) -> Passing {
         let Some(mut passage) = self.passage.take() else { return Passing::Clear };
-        let passing = if passage.is_observing() {
-            self.compare_ends(&mut passage, h, from, to)
-        } else {
-            Passing::Clear
-        };
+        let passing =
+            if passage.is_observing { self.compare_ends(&mut passage, h, from, to) } else { Passing::Clear };
         self.passage = Some(passage);
         passing
     }
@@ -198,7 +195,7 @@ impl Stepped for Island {
     }
 
     fn locked_joint(&self) -> Option<usize> {
-        self.ideal.locked_joint()
+        self.ideal.friction.locked_constraint()
     }
 
     fn responsible_joint(&self, coordinate: usize, at: &Linearised) -> Option<usize> {
@@ -282,7 +279,7 @@ impl Island {
             Some(passage) => {
                 passage.joints.add_reactions(at, f);
             }
-            None if self.ideal.rows() > 0 => {
+            None if self.ideal.rows > 0 => {
                 self.ideal.add_reactions(at, f);
             }
             None => {}
@@ -297,7 +294,7 @@ impl Island {
         (at.f, self.space) = (f, space);
         if self.is_large() {
             self.add_many_reactions(at);
-        } else if self.ideal.rows() > 0 {
+        } else if self.ideal.rows > 0 {
             let placed = Placed { frames: &self.frames, jets: &self.jets };
             let Existence { independent, balanced } = self.ideal.add_reactions(placed, &mut at.f);
             (at.independent, at.balanced) = (Some(independent), Some(balanced));

@@ -10,9 +10,6 @@
 //! Clearance joint as a force element: Flores, Ambrosio, Claro, Lankarani (2008), Kinematics and Dynamics of
 //! Multibody Systems with Imperfect Joints.
 
-// In lanes, closures of iterators are not compiled for the instruction set of the loop around them.
-#![allow(clippy::needless_range_loop)]
-
 use super::frame::{End, Frame};
 use crate::contact::{JointForce, JointMotion, LawLanes, PolarEccentricity, Walls};
 use crate::lanes::Real;
@@ -25,21 +22,6 @@ pub type Block<R> = [[[R; 3]; 3]; 2];
 pub trait Blocks<R> {
     /// Derivatives of the force on body `ON` of the pair to the coordinates of body `TO` and to their rates.
     fn block<const ON: usize, const TO: usize>(&self) -> Block<R>;
-}
-
-/// Generalised forces of a pair of bodies.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PairForce<R = f64> {
-    /// Generalised force `(6,)` [N, N m].
-    pub f: [R; 6],
-    /// Force of the joint in the bushing's frame.
-    pub joint: JointForce<R>,
-    /// Eccentricity in the bushing's frame `(2,)` [m].
-    pub e: [R; 2],
-    /// Angle of the journal's body minus that of the bushing's [rad].
-    pub turn: R,
-    /// Derivatives of f; zero unless computed with `JACOBIAN`.
-    pub slopes: PairSlopes<R>,
 }
 
 /// Derivatives of the force on the journal's body in global axes and of the moments on both bodies: rows (F_x, F_y, M_i
@@ -93,10 +75,8 @@ fn separation<R: Real>(fi: &Frame<R>, ai: [R; 2], fj: &Frame<R>, aj: [R; 2]) -> 
 
 /// A joint with clearance as a source of force in an island, or one per lane.
 pub trait Touching<R> {
-    /// Ends of the joint: journal, bushing.
-    fn ends(&self) -> [End<R>; 2];
-    /// Its contact law on the surfaces as worn so far.
-    fn law(&self) -> &LawLanes<R>;
+    /// Ends of the joint, journal and bushing, and its contact law on the surfaces as worn so far.
+    fn parts(&self) -> ([End<R>; 2], &LawLanes<R>);
 }
 
 /// Motion of a joint, with what else its generalised forces need.
@@ -124,8 +104,9 @@ impl<R: Real> PairMotion<R> {
     }
 }
 
-/// Generalised forces of a joint with this `law` at the motion `pair` and the surfaces `wall`, with its journal on the body in frame `fi` and its bushing on that in `fj`;
-/// with `JACOBIAN` their exact derivatives.
+/// Generalised forces `(6,)` [N, N m] of a joint with this `law` at the motion `pair` and the surfaces `wall`, with its journal on the body in frame
+/// `fi` and its bushing on that in `fj`; the force of the joint in the bushing's frame; and with `JACOBIAN` the exact derivatives of the
+/// generalised forces, else zero.
 #[inline(always)]
 pub(crate) fn pair_force<R: Real, const JACOBIAN: bool>(
     law: &LawLanes<R>,
@@ -133,7 +114,7 @@ pub(crate) fn pair_force<R: Real, const JACOBIAN: bool>(
     wall: &Walls<R>,
     fi: &Frame<R>,
     fj: &Frame<R>,
-) -> PairForce<R> {
+) -> ([R; 6], JointForce<R>, PairSlopes<R>) {
     let PairMotion { arms: [ai, aj], separation: [e, w], motion, place } = *pair;
     let (joint, slopes) = law.force::<JACOBIAN>((&place, wall), &motion);
     let force = fj.turn(joint.force);
@@ -148,20 +129,15 @@ pub(crate) fn pair_force<R: Real, const JACOBIAN: bool>(
     } else {
         PairSlopes::none(force[0])
     };
-    PairForce {
-        f: [
-            force[0],
-            force[1],
-            joint.torque_journal + cross(ai, force),
-            -force[0],
-            -force[1],
-            joint.torque_bushing - cross(aj, force),
-        ],
-        joint,
-        e: motion.e,
-        turn: motion.turn,
-        slopes: pair,
-    }
+    let on_bodies = [
+        force[0],
+        force[1],
+        joint.torque_journal + cross(ai, force),
+        -force[0],
+        -force[1],
+        joint.torque_bushing - cross(aj, force),
+    ];
+    (on_bodies, joint, pair)
 }
 
 impl<R: Real> PairSlopes<R> {

@@ -1,14 +1,11 @@
 //! Friction of an island's ideal joints, as part of its forces.
 //!
 //! Friction in the joints k has the generalised force -sum_k b_k c_k x_k, with the directions b_k `(n,)`, the ratios
-//! c_k = mu tanh(v_t / v_0) of their sliding speeds (`sliding.rs`) and the normal forces x_k that balance the multipliers
+//! c_k = mu tanh(v_t / v_0) of their sliding speeds (`coupling.rs`) and the normal forces x_k that balance the multipliers
 //! (`friction_balance.rs`); unit friction forces contribute the multipliers p_k = R^-1 Q' M^-1/2 b_k `(m,)` (`elimination.rs`).
 //!
 //! Derivatives are exact. For a column of coordinates, rates or time, with the part dlambda of the derivative of the multipliers at
 //! constant x, dx = A^-1 dN/dlambda dlambda, and the force changes by -b_k c_k dx_k besides what changes at constant x.
-
-// In lanes, closures of iterators are not compiled for the instruction set of the loop around them.
-#![allow(clippy::needless_range_loop)]
 
 use super::constraint::Constraint;
 use super::frame::Placed;
@@ -85,7 +82,7 @@ impl<R: Real> JointFriction<R> {
 
     /// Number of joints with friction.
     #[inline(always)]
-    pub(super) fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.constraints.len()
     }
 
@@ -192,7 +189,7 @@ impl<R: Real> JointFriction<R> {
             rows.forward(adjoint, 1);
             let force = joint.ratio * joint.normal;
             to.friction[k] = [force, sliding.speed];
-            let AtConstantNormal { to_q, to_v } = AtConstantNormal::new(sliding, joint.normal);
+            let (to_q, to_v) = at_constant_normal(sliding, joint.normal);
             for side in 0..2 {
                 let frame = c.ends[side].frame;
                 if at.jet(frame).is_some() {
@@ -252,33 +249,26 @@ impl<R: Real> JointFriction<R> {
 }
 
 /// Derivatives of b c x to the coordinates of the pair and to their rates at constant normal force x `(6, 6)` each.
-struct AtConstantNormal<R> {
-    to_q: [[R; 6]; 6],
-    to_v: [[R; 6]; 6],
-}
-
-impl<R: Real> AtConstantNormal<R> {
-    #[inline(always)]
-    fn new(sliding: &Sliding<R>, normal: R) -> Self {
-        let zero = normal.zero();
-        let (force, grip) = (sliding.ratio * normal, sliding.slope * normal);
-        let mut to = AtConstantNormal { to_q: [[zero; 6]; 6], to_v: [[zero; 6]; 6] };
-        for r in 0..6 {
-            for s in 0..6 {
-                to.to_v[r][s] = grip * sliding.direction[r] * sliding.direction[s];
-            }
+#[inline(always)]
+fn at_constant_normal<R: Real>(sliding: &Sliding<R>, normal: R) -> ([[R; 6]; 6], [[R; 6]; 6]) {
+    let zero = normal.zero();
+    let (force, grip) = (sliding.ratio * normal, sliding.slope * normal);
+    let (mut to_q, mut to_v) = ([[zero; 6]; 6], [[zero; 6]; 6]);
+    for r in 0..6 {
+        for s in 0..6 {
+            to_v[r][s] = grip * sliding.direction[r] * sliding.direction[s];
         }
-        if let Some(turning) = &sliding.turning {
-            for s in 0..6 {
-                let mut speed = zero;
-                for r in 0..6 {
-                    speed = speed.plus_product(turning[r][s], sliding.rates[r]);
-                }
-                for r in 0..6 {
-                    to.to_q[r][s] = (grip * sliding.direction[r] * speed).plus_product(force, turning[r][s]);
-                }
-            }
-        }
-        to
     }
+    if let Some(turning) = &sliding.turning {
+        for s in 0..6 {
+            let mut speed = zero;
+            for r in 0..6 {
+                speed = speed.plus_product(turning[r][s], sliding.rates[r]);
+            }
+            for r in 0..6 {
+                to_q[r][s] = (grip * sliding.direction[r] * speed).plus_product(force, turning[r][s]);
+            }
+        }
+    }
+    (to_q, to_v)
 }

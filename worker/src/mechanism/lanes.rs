@@ -2,17 +2,14 @@
 //! numbers.
 
 use super::closing::{IdealJoints, close};
+use super::effective_mass::begun;
 use super::elimination::{Elimination, Existence};
 use super::forces::{Acting, JointSpace};
-use super::frame::{End, Frame, Placed};
-use super::guide::Guide;
-use super::guide_onset::begun;
-use super::island::Island;
+use super::frame::Placed;
 use super::joint::Touching;
 use super::load::IslandLoad;
 use super::piecewise_cubic::Jet;
-use super::prescribed::Prescribed;
-use super::wearing_joint::WearingJoint;
+use super::{End, Frame, Guide, Island, Prescribed, WearingJoint};
 use crate::contact::{GuideReaction, LawLanes};
 use crate::integrate::{Band, Closed, Dynamics, Linearised, SteppedLanes};
 use crate::lanes::{Lanewise, Real};
@@ -98,7 +95,7 @@ impl<R: Real> IslandLanes<R> {
         };
         let motion = |motion: &Prescribed| PrescribedLanes {
             motions: vec![motion.clone(); R::LANES],
-            position: motion.position().in_lanes(like),
+            position: motion.position.in_lanes(like),
             still: motion.is_still(),
             even: None,
         };
@@ -117,7 +114,7 @@ impl<R: Real> IslandLanes<R> {
             inverse: vec![(zero, zero); island.coordinates()],
             frames: vec![frame; island.bodies.len() + island.prescribed.len()],
             jets: vec![[zero; 4]; island.prescribed.len()],
-            space: JointSpace::default(),
+            space: JointSpace { pairs: vec![], walls: vec![] },
             no_linearisation: Linearised::new(like, Band::default(), 0),
             band: island.band(),
         };
@@ -145,7 +142,7 @@ impl<R: Real> IslandLanes<R> {
             from.write_lane::<R>(lane, to);
         }
         for (to, from) in self.prescribed.iter_mut().zip(&island.prescribed) {
-            from.position().write_lane::<R>(lane, &mut to.position);
+            from.position.write_lane::<R>(lane, &mut to.position);
             to.motions[lane].clone_from(from);
             to.still = to.motions.iter().all(Prescribed::is_still);
             to.even = even_rotation(&to.motions, to.position[0]);
@@ -194,8 +191,8 @@ impl<R: Real> IslandLanes<R> {
     pub(crate) fn linearised(&self) -> Linearised<R> {
         let zero = self.mass[0].zero();
         Linearised {
-            lambda: vec![zero; self.ideal.rows()],
-            friction: vec![[zero; 2]; self.ideal.friction_joints()],
+            lambda: vec![zero; self.ideal.rows],
+            friction: vec![[zero; 2]; self.ideal.friction.count()],
             prescribed: vec![[zero; 3]; self.prescribed.len()],
             guides: vec![GuideReaction::none(zero); self.guides.len()],
             ..Linearised::new(zero, self.band, self.joints.len())
@@ -249,13 +246,8 @@ fn even_rotation<R: Real>(motions: &[Prescribed], like: R) -> Option<[R; 2]> {
 
 impl<R: Real> Touching<R> for JointLanes<R> {
     #[inline(always)]
-    fn ends(&self) -> [End<R>; 2] {
-        self.ends
-    }
-
-    #[inline(always)]
-    fn law(&self) -> &LawLanes<R> {
-        &self.law
+    fn parts(&self) -> ([End<R>; 2], &LawLanes<R>) {
+        (self.ends, &self.law)
     }
 }
 
@@ -287,7 +279,7 @@ impl<R: Real> Dynamics<R> for IslandLanes<R> {
         self.update_frames(t, q, v);
         let (acting, space, none) = self.acting();
         acting.applied::<false>(t, space, f, none);
-        if self.ideal.rows() > 0 {
+        if self.ideal.rows > 0 {
             let (ideal, at) = self.joints();
             ideal.add_reactions(at, f);
         }
@@ -300,11 +292,11 @@ impl<R: Real> Dynamics<R> for IslandLanes<R> {
         let (acting, space, _) = self.acting();
         acting.applied::<true>(t, space, &mut f, at);
         at.f = f;
-        if self.ideal.rows() > 0 {
+        if self.ideal.rows > 0 {
             let (ideal, placed) = self.joints();
             let Existence { independent, balanced } = ideal.add_reactions(placed, &mut at.f);
             ideal.reduce_derivatives(placed, at);
-            let apart = if self.may_be_singular { self.ideal.apart() } else { independent };
+            let apart = if self.may_be_singular { self.ideal.factors.apart } else { independent };
             // Near singular positions an island is integrated by itself.
             (at.independent, at.balanced) = (Some(independent * apart), Some(balanced));
         }
@@ -314,7 +306,7 @@ impl<R: Real> Dynamics<R> for IslandLanes<R> {
 impl<R: Real> SteppedLanes<R> for IslandLanes<R> {
     #[inline(always)]
     fn is_constrained(&self) -> bool {
-        self.ideal.rows() > 0
+        self.ideal.rows > 0
     }
 
     #[inline(always)]

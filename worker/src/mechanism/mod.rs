@@ -1,6 +1,9 @@
 //! The mechanism of a scene: islands of bodies that influence each other, their ideal start and motion, and
 //! the generalised forces of each island.
 
+// In lanes, closures of iterators are not compiled for the instruction set of the loop around them.
+#![allow(clippy::needless_range_loop)]
+
 #[cfg(test)]
 mod acceleration_tests;
 mod assembly;
@@ -24,7 +27,6 @@ mod friction_balance;
 #[cfg(test)]
 mod friction_tests;
 mod guide;
-mod guide_onset;
 #[cfg(test)]
 mod guide_tests;
 mod influence;
@@ -48,7 +50,6 @@ mod topology;
 mod turns;
 mod wearing_guide;
 mod wearing_joint;
-mod wearing_pair;
 mod worn_guide;
 #[cfg(test)]
 mod worn_guide_tests;
@@ -59,7 +60,7 @@ pub use constraint::Constraint;
 pub use extent::local_origin;
 pub(crate) use extent::moved_to_origin;
 pub(crate) use external_loads::ExternalLoads;
-pub use frame::{End, Frame};
+pub use frame::{End, Frame, TimedState};
 pub use guide::Guide;
 pub(crate) use influence::{Coordinate, Influence, held_poses, influences};
 pub use island::Island;
@@ -70,4 +71,4 @@ pub use topology::{island_of_program, islands};
 pub use turns::turns_per_cycle;
 pub use wearing_guide::WearingGuide;
 pub use wearing_joint::WearingJoint;
-pub(crate) use wearing_pair::WearingPair;
+pub(crate) use wearing_joint::WearingPair;

@@ -5,9 +5,6 @@
 //! Gram-Schmidt with reorthogonalisation: Golub, Van Loan (2013), Matrix Computations, section 5.2; twice is enough: Giraud,
 //! Langou, Rozloznik (2005), Comput. Math. Appl. 50, 1069-1075.
 
-// In lanes, closures of iterators are not compiled for the instruction set of the loop around them.
-#![allow(clippy::needless_range_loop)]
-
 use crate::lanes::Real;
 
 /// A row counts as dependent if its part normal to the rows before it is below this share of its length.

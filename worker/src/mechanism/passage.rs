@@ -83,7 +83,7 @@ pub struct Passage {
     remainders: Vec<f64>,
     /// Work space `(n,)`.
     end: Vec<f64>,
-    is_observing: bool,
+    pub(super) is_observing: bool,
     /// The most dependent row if the joints are nearly dependent at the start of the step.
     near: Option<usize>,
     ahead: Option<Ahead>,
@@ -110,7 +110,7 @@ impl Passage {
         }
         let joints = SparseElimination::new(constraints, mass)?;
         Some(Passage {
-            geometry: joints.space_for_factors(),
+            geometry: joints.factors.clone(),
             joints,
             is_large,
             shares: vec![1.0; m],
@@ -122,11 +122,6 @@ impl Passage {
             near: None,
             ahead: None,
         })
-    }
-
-    /// Whether some rows are observed over the step.
-    pub(super) fn is_observing(&self) -> bool {
-        self.is_observing
     }
 
     /// Index into the scene's joints of the most dependent joint, if the joints are nearly dependent at the start of the step.

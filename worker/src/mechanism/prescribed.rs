@@ -8,7 +8,7 @@ use common::scene::{Body, Drive, Motion};
 /// A prescribed motion: the reference point stands still, the angle is a function of time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prescribed {
-    position: [f64; 2],
+    pub(crate) position: [f64; 2],
     angle: Angle,
 }
 
@@ -67,11 +67,6 @@ impl Prescribed {
     /// Frame of the body at time `t` [s].
     pub(crate) fn frame(&self, t: f64) -> Frame {
         Frame::turning(self.position, &self.jet(t))
-    }
-
-    /// Position of the body's reference point `(2,)` [m].
-    pub(crate) fn position(&self) -> [f64; 2] {
-        self.position
     }
 
     /// Angle at time zero [rad] and angular velocity [rad/s] of a body that turns evenly or is fixed.

@@ -64,15 +64,10 @@ pub(super) struct Sliding<R> {
 #[derive(Debug, Clone, Copy)]
 pub struct NormalForce<R> {
     /// Inverse of half the length L of a guide [1/m]; `None` for a pin.
-    per_half: Option<R>,
+    pub(super) per_half: Option<R>,
 }
 
 impl<R: Real> NormalForce<R> {
-    /// That of a pin.
-    pub(super) fn on_pin() -> Self {
-        NormalForce { per_half: None }
-    }
-
     /// That of a guide of length `length` [m].
     #[inline(always)]
     pub(super) fn in_guide(length: R) -> Self {

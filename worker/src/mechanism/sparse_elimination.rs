@@ -16,7 +16,7 @@ pub struct SparseElimination {
     /// First row of each.
     first: Vec<usize>,
     /// Q and R.
-    factors: EnvelopeQr,
+    pub(super) factors: EnvelopeQr,
     /// Share of each row that is normal to those before it, where they were factored last `(m,)` [1].
     shares: Vec<f64>,
     /// Square roots of the masses `(n,)`.
@@ -38,11 +38,6 @@ impl SparseElimination {
             root: mass.iter().map(|mass| mass.sqrt()).collect(),
             lambda: vec![0.0; m],
         })
-    }
-
-    /// Space for factors of these joints in another metric.
-    pub(super) fn space_for_factors(&self) -> EnvelopeQr {
-        self.factors.clone()
     }
 
     /// Index into the scene's joints of the joint that row `i` belongs to.

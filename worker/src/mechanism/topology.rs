@@ -1,14 +1,12 @@
 //! Topology of a scene: the islands of bodies that influence each other, with their joints and loads.
 
-use super::constraint::{Constraint, first_rows};
+use super::constraint::first_rows;
 use super::coupling::JointInput;
 use super::elimination::Elimination;
-use super::island::Island;
 use super::island_frames::IslandFrames;
 use super::load::IslandLoad;
 use super::passage::Passage;
-use super::wearing_guide::WearingGuide;
-use super::wearing_joint::WearingJoint;
+use super::{Constraint, Island, WearingGuide, WearingJoint};
 use common::failure::SimulationFailure;
 use common::scene::{JointKind, Load, Motion, Scene};
 
@@ -19,16 +17,14 @@ use common::scene::{JointKind, Load, Motion, Scene};
 /// mechanism.
 pub fn islands(scene: &Scene) -> Result<Vec<Island>, SimulationFailure> {
     if scene.simulator.is_some() {
-        return Err(SimulationFailure::NotModelled {
-            what: "the simulator that the scene names: there is no mechanism".into(),
-        });
+        let what = "the simulator that the scene names: there is no mechanism".into();
+        return Err(SimulationFailure::NotModelled { what });
     }
     let free: Vec<bool> = scene.bodies.iter().map(|b| matches!(b.motion, Motion::Free { .. })).collect();
     for joint in &scene.joints {
         if !free[joint.journal.body] && !free[joint.bushing.body] {
-            return Err(SimulationFailure::NotModelled {
-                what: format!("joint {} connects two bodies whose motion is given", joint.name),
-            });
+            let what = format!("joint {} connects two bodies whose motion is given", joint.name);
+            return Err(SimulationFailure::NotModelled { what });
         }
     }
     // Connected components over free bodies; a root is the first body of its island.
@@ -86,12 +82,8 @@ fn assemble(scene: &Scene, bodies: Vec<usize>) -> Island {
             JointKind::Clearance(clearance) => {
                 joints.push(WearingJoint::new(index, (clearance, &scene.wear), ends));
             }
-            JointKind::Guide(guide) => {
-                guides.push(WearingGuide::new(index, guide, ends));
-            }
-            ideal => {
-                constraints.push(Constraint::new(index, ends, ideal).with_friction(joint.friction));
-            }
+            JointKind::Guide(guide) => guides.push(WearingGuide::new(index, guide, ends)),
+            ideal => constraints.push(Constraint::new(index, ends, ideal).with_friction(joint.friction)),
         }
     }
     let acting = scene.loads.iter().filter(|load| load.bodies().iter().any(|b| bodies.contains(b)));

@@ -3,8 +3,7 @@
 //!
 //!   turns = round((angle(T) - angle(0)) / 2 pi), T the period of the cycle [s].
 
-use super::assembly::Pose;
-use super::prescribed::Prescribed;
+use super::{Pose, Prescribed};
 use common::failure::SimulationFailure;
 use common::scene::{JointKind, Load, OutputKind, Scene};
 use std::f64::consts::TAU;

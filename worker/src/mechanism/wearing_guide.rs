@@ -3,7 +3,7 @@
 use super::frame::{End, Frame};
 use super::guide::{Guide, Guiding};
 use super::load::LoadForce;
-use super::wearing_pair::WearingPair;
+use super::wearing_joint::WearingPair;
 use super::worn_guide::WornGuide;
 use crate::contact::GuideReaction;
 use crate::rail::{MOST_NODES, RailFaces, RailLayout, play};
@@ -65,9 +65,9 @@ impl WearingGuide {
     /// slope along the guide [1]; zero if no surface wears.
     pub(super) fn corner_depth(&self, face: usize, last: bool, s: f64) -> (f64, f64) {
         self.worn.as_ref().map_or((0.0, 0.0), |worn| {
-            let node = if last { worn.faces.layout().nodes() - 1 } else { 0 };
+            let node = if last { worn.faces.layout.nodes() - 1 } else { 0 };
             let depth = worn.faces.guide_depth(face, s);
-            (depth.w + worn.faces.slider_depth(face, node), depth.slope)
+            (depth.w + worn.faces.slider[face][node], depth.slope)
         })
     }
 
@@ -99,11 +99,11 @@ impl WearingPair for WornSurfaces {
     }
 
     fn first_depths(&self) -> usize {
-        self.faces.layout().guide_depths()
+        self.faces.layout.guide_depths()
     }
 
     fn depths(&self) -> usize {
-        self.faces.layout().depths()
+        self.faces.layout.depths()
     }
 
     fn set_depth(&mut self, depth: &[f64]) {
@@ -111,7 +111,7 @@ impl WearingPair for WornSurfaces {
     }
 
     fn refine(&mut self, times: u32) -> bool {
-        let layout = (0..times).fold(*self.faces.layout(), |layout, _| layout.finer());
+        let layout = (0..times).fold(self.faces.layout, |layout, _| layout.finer());
         let fits = layout.elements < MOST_NODES;
         if fits {
             self.faces = RailFaces::new(layout);
@@ -120,15 +120,15 @@ impl WearingPair for WornSurfaces {
     }
 
     fn empty_history(&self, period: f64, samples: usize) -> WearHistory {
-        WearHistory::Rail(RailHistory::new(period, samples, self.faces.layout()))
+        WearHistory::Rail(RailHistory::new(period, samples, &self.faces.layout))
     }
 
     fn wear_rate(&self) -> WearRate {
-        self.rate_at(*self.faces.layout())
+        self.rate_at(self.faces.layout)
     }
 
     fn finer_copy(&self, rule: StepRule) -> FinerBore<WearRate> {
-        let finer = self.faces.layout().finer();
+        let finer = self.faces.layout.finer();
         FinerBore::new(self.rate_at(finer), finer.depths(), rule)
     }
 }

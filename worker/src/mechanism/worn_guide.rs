@@ -206,7 +206,7 @@ impl WornGuide<'_> {
 
     /// The nodes of half a face, without forces.
     fn pad(&self, side: &GuideFace, half: usize, [fa, fb]: [&Frame; 2]) -> Pad {
-        let layout = self.faces.layout();
+        let layout = &self.faces.layout;
         let count = layout.elements + 1;
         let at = PadEnd { a: [0.0; 2], d: [0.0; 2], overlap: 0.0, rate: 0.0, sliding: 0.0 };
         let unset = Node { at, s: 0.0, ahead: 0.0, slope: 0.0, bend: 0.0 };
@@ -230,7 +230,7 @@ impl WornGuide<'_> {
             ];
             let (s, sliding) = (dot(side.t, d) - side.base, dot(side.t, v));
             let depth = self.faces.guide_depth(side.face, s);
-            let worn = depth.w + self.faces.slider_depth(side.face, index);
+            let worn = depth.w + self.faces.slider[side.face][index];
             let overlap = dot(side.n, d) - side.wall - worn;
             let rate = dot(side.n, v) - depth.slope * sliding;
             let at = PadEnd { a, d, overlap, rate, sliding };

@@ -1,9 +1,8 @@
 //! A slider on worn faces by itself: the flat guide as its limit, derivatives, energy, momentum.
 
-use super::frame::{End, Frame};
 use super::guide::Guiding;
 use super::guide_tests::assert_derivatives;
-use super::wearing_guide::WearingGuide;
+use super::{End, Frame, WearingGuide};
 use crate::contact::GuideReaction;
 use common::scene::{ContactDamping, GuideClearance, GuideWear, Material, WearingSurfaces};
 

@@ -9,10 +9,11 @@ fn piece<const SPEED: bool>(track: &BodyTrack, k: usize) -> Piece {
     if SPEED { track.omega_in(k) } else { track.angle_in(k) }
 }
 
-/// Bounds of the same.
+/// Bounds of the same: limited slopes of the velocity are nearer to the secant.
 #[inline]
 fn spread<const SPEED: bool>(track: &BodyTrack, k: usize) -> Spread {
-    if SPEED { track.omega_spread(k) } else { track.angle_spread(k) }
+    let [value, slope] = [0, 1].map(|rate| &track.values[usize::from(SPEED) + rate]);
+    Spread::new(&track.time, value, slope, k)
 }
 
 /// One of the two tracks while they are compared.
@@ -159,8 +160,8 @@ mod tests {
             for step in 0..=50 {
                 let t = a.time[k] + 0.37 * f64::from(step) / 50.0;
                 for (of_a, of_b, spread, largest) in [
-                    (a.omega_in(k), b.omega_in(k), a.omega_spread(k), &mut speeds),
-                    (a.angle_in(k), b.angle_in(k), a.angle_spread(k), &mut angles),
+                    (a.omega_in(k), b.omega_in(k), spread::<true>(&a, k), &mut speeds),
+                    (a.angle_in(k), b.angle_in(k), spread::<false>(&a, k), &mut angles),
                 ] {
                     assert!((of_a.at(t).0 - spread.middle).abs() <= spread.reach);
                     *largest = largest.max((of_a.at(t).0 - of_b.at(t).0).abs());

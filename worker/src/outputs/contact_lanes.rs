@@ -6,19 +6,11 @@ use crate::integrate::Linearised;
 use crate::lanes::{InLane, Lanewise, Real};
 use crate::wear::{ContactInstant, ContactSample, Interval, WearHistory};
 
-/// One joint with clearance per lane.
-#[derive(Debug, Clone)]
-struct ContactOfLanes<R> {
-    /// Interval of the history that has not ended yet.
-    interval: Interval<R>,
-    /// Contact at the last state.
-    last: ContactInstant<R>,
-}
-
 /// All joints with clearance of one island per lane.
 #[derive(Debug, Clone)]
 pub struct ContactLanes<R> {
-    joints: Vec<ContactOfLanes<R>>,
+    /// Of each joint the interval of its history that has not ended yet, and its contact at the last state.
+    joints: Vec<(Interval<R>, ContactInstant<R>)>,
     /// Time of the last state and half of the step before it [s].
     time: R,
     half: R,
@@ -29,11 +21,8 @@ pub struct ContactLanes<R> {
 impl<R: Real> ContactLanes<R> {
     /// Lanes without recordings, for islands with `joints` joints with clearance; `like` sets the number of lanes.
     pub(crate) fn new(like: R, joints: usize) -> Self {
-        let nothing = ContactInstant::default();
-        let joint = ContactOfLanes {
-            interval: Interval::new(f64::INFINITY, false).in_lanes(like),
-            last: nothing.in_lanes(like),
-        };
+        let interval = Interval::new(f64::INFINITY, false).in_lanes(like);
+        let joint = (interval, ContactInstant::default().in_lanes(like));
         ContactLanes {
             joints: vec![joint; joints],
             time: like.zero(),
@@ -45,14 +34,14 @@ impl<R: Real> ContactLanes<R> {
     /// Continues the histories of `recorder` in a lane, from its last state or else from the first one, at time `start` [s].
     pub(crate) fn load(&mut self, lane: usize, recorder: &Recorder, start: f64) {
         let histories = recorder.histories.iter().filter_map(WearHistory::bore);
-        for (to, from) in self.joints.iter_mut().zip(histories) {
-            from.interval.write_lane::<R>(lane, &mut to.interval);
+        for ((to, _), from) in self.joints.iter_mut().zip(histories) {
+            from.interval.write_lane::<R>(lane, to);
         }
         let (mut time, mut half) = (start, 0.0);
         if let Some(last) = &recorder.last {
             (time, half) = (last.time, last.half);
-            for (to, from) in self.joints.iter_mut().zip(&last.contacts) {
-                from.write_lane::<R>(lane, &mut to.last);
+            for ((_, to), from) in self.joints.iter_mut().zip(&last.contacts) {
+                from.write_lane::<R>(lane, to);
             }
         }
         self.time.set_lane(lane, time);
@@ -74,11 +63,11 @@ impl<R: Real> ContactLanes<R> {
         let stepped = half.zero().below(half);
         let duration = R::select(stepped, self.half + half, half.zero());
         for j in 0..self.joints.len() {
-            let joint = &mut self.joints[j];
+            let (interval, last) = &mut self.joints[j];
             let now = ContactInstant::new(at.e[j], &at.joints[j]).turned(at.turns[j]);
             let mut ended = |lane: usize, sample: ContactSample| ended(j, lane, sample);
-            joint.interval.push(duration, &joint.last, &mut ended);
-            joint.last = now;
+            interval.push(duration, last, &mut ended);
+            *last = now;
         }
         (self.time, self.half) = (t, R::select(stepped, half, self.half));
     }
@@ -86,13 +75,13 @@ impl<R: Real> ContactLanes<R> {
     /// Returns the histories of a lane to its recorder.
     pub(crate) fn unload(&mut self, lane: usize, recorder: &mut Recorder) {
         let histories = recorder.histories.iter_mut().filter_map(WearHistory::bore_mut);
-        for (from, to) in self.joints.iter().zip(histories) {
-            to.interval = from.interval.in_lane(lane);
+        for ((from, _), to) in self.joints.iter().zip(histories) {
+            to.interval = from.in_lane(lane);
         }
         recorder.last = Some(LastContacts {
             time: self.time.lane(lane),
             half: self.half.lane(lane),
-            contacts: self.joints.iter().map(|joint| joint.last.in_lane(lane)).collect(),
+            contacts: self.joints.iter().map(|(_, last)| last.in_lane(lane)).collect(),
             // Islands with guides that wear are never in lanes.
             sliders: vec![],
         });

@@ -20,11 +20,21 @@
 //!
 //! With a point at x(t), y(t) [m] and the reference X(t), Y(t) [m], the ideal path or wanted functions of time or of an angle, the
 //! deviation is sqrt((x - X)^2 + (y - Y)^2); of one wanted coordinate alone it is the difference in that coordinate.
+//!
+//! # Wanted
+//! What a function generator should do: a quantity as a function of time or of the angle of a body.
+//!
+//! Between the points of its table the function is the cubic spline; where the table does not repeat, its slope at either end is that
+//! of the cubic through the four points nearest to the end. The error is of fourth order in the distance of the points.
+//!
+//! Source:
+//! De Boor, A Practical Guide to Splines (1978), chapter IV: complete spline with slopes by interpolation at the ends.
 
 use super::trace::interval_at;
-use super::wanted::Wanted;
 use super::{BodyTrack, PointTrack, RecordedCycle};
-use common::scene::{Attachment, Curve, ErrorMeasure};
+use crate::mechanism::{PiecewiseCubic, Prescribed};
+use common::scene::{Attachment, Curve, ErrorMeasure, Over};
+use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 /// Places within a time step at which a deviation is evaluated, besides its ends [1].
@@ -125,6 +135,56 @@ fn path_from_ideal(path: &PointTrack, ideal: &PointTrack) -> Deviation {
         let (a, b) = (path.position_in(k, t), ideal.position_in(interval_at(&ideal.time, &mut j, t), t));
         libm::hypot(a[0] - b[0], a[1] - b[1])
     })
+}
+
+/// A wanted function over a recorded cycle.
+pub struct Wanted<'a> {
+    function: PiecewiseCubic,
+    argument: Argument<'a>,
+}
+
+/// Argument of a wanted function.
+enum Argument<'a> {
+    Time,
+    /// Angle of a prescribed body.
+    Prescribed(Prescribed),
+    /// Angle of a free body, with the interval last read.
+    Recorded(Cow<'a, BodyTrack>, usize),
+}
+
+impl<'a> Wanted<'a> {
+    /// The function of a scene over the recorded cycle.
+    pub(crate) fn new(curve: &Curve, cycle: &RecordedCycle<'a>) -> Self {
+        let argument = match curve.over {
+            Over::Time => Argument::Time,
+            Over::Angle(body) => match Prescribed::from_body(&cycle.scene.bodies[body]) {
+                Some(motion) => Argument::Prescribed(motion),
+                None => Argument::Recorded(cycle.body(body), 0),
+            },
+        };
+        Wanted { function: PiecewiseCubic::interpolating(&curve.table), argument }
+    }
+
+    /// Value at time `t` [s], in the unit of the function; times must not decrease from call to call.
+    pub(crate) fn at(&mut self, t: f64) -> f64 {
+        let x = match &mut self.argument {
+            Argument::Time => t,
+            Argument::Prescribed(motion) => motion.angle(t),
+            Argument::Recorded(track, k) => {
+                let k = interval_at(&track.time, k, t);
+                track.angle_in(k).at(t).0
+            }
+        };
+        self.function.jet(x)[0]
+    }
+}
+
+/// The body whose angle is the argument of a curve, if that angle has to be recorded or is prescribed.
+pub(crate) fn argument_body(curve: &Curve) -> Option<usize> {
+    match curve.over {
+        Over::Time => None,
+        Over::Angle(body) => Some(body),
+    }
 }
 
 #[cfg(test)]

@@ -6,13 +6,12 @@
 //! | file | contents |
 //! |---|---|
 //! | `motion_output.rs` | the outputs |
-//! | `angle_difference.rs`, `deviation.rs`, `driving_torque.rs`, `backlash.rs` | values of single outputs |
-//! | `wanted.rs` | wanted functions of time or of an angle |
+//! | `angle_difference.rs`, `deviation.rs`, `backlash.rs` | values of single outputs, and wanted functions of time or of an angle |
 //! | `recording_request.rs`, `recorder.rs`, `peaks.rs` | what to record of an island, and the recording |
 //! | `contact_lanes.rs`, `motion_rows.rs` | contacts and motion of islands in lanes |
 //! | `recorded_cycle.rs` | the recordings of all islands of a cycle, as outputs read them |
 //! | `trace.rs` | angle of a body, force of a joint, path of a point and moment on a body over time |
-//! | `full_recording.rs`, `displayed_motion.rs` | everything of a cycle that is displayed |
+//! | `displayed_motion.rs` | everything of a cycle that is displayed |
 
 mod angle_difference;
 mod backlash;
@@ -20,7 +19,6 @@ mod contact_lanes;
 mod deviation;
 mod displayed_motion;
 mod driving_torque;
-mod full_recording;
 mod motion_output;
 mod motion_rows;
 mod peaks;
@@ -30,13 +28,11 @@ mod recorder;
 mod recorder_tests;
 mod recording_request;
 mod trace;
-mod wanted;
 
 pub(crate) use contact_lanes::ContactLanes;
-pub(crate) use displayed_motion::sum_of_islands;
-pub(crate) use full_recording::FullRecording;
+pub(crate) use displayed_motion::{FullRecording, sum_of_islands};
 pub(crate) use motion_output::{Sampling, is_extreme, motion_value, recording_request};
-pub(crate) use motion_rows::{LaneRows, MotionRows};
+pub(crate) use motion_rows::MotionRows;
 pub(crate) use recorded_cycle::{IdealTracks, RecordedCycle, sample_times};
 pub(crate) use recorder::Recorder;
 pub(crate) use recording_request::{RecordingRequest, SoughtBacklash};

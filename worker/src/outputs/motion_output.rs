@@ -2,11 +2,9 @@
 
 use super::angle_difference::largest_difference;
 use super::backlash::backlash;
-use super::deviation::{angle_error, position_error};
+use super::deviation::{angle_error, argument_body, position_error};
 use super::driving_torque::driving_torque;
-use super::recording_request::{RecordingRequest, SoughtBacklash};
-use super::wanted::argument_body;
-use super::{BodyTrack, RecordedCycle};
+use super::{BodyTrack, RecordedCycle, RecordingRequest, SoughtBacklash};
 use common::scene::{ErrorMeasure, ImpactMeasure, Output, OutputKind, SignedBody};
 
 /// How an output reads the motion between two time steps.

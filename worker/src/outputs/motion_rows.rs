@@ -24,13 +24,6 @@ pub struct MotionRows<R> {
     states: Vec<[R; 3]>,
 }
 
-/// One lane of some rounds: times and states that are new.
-#[derive(Debug, Clone, Copy)]
-pub struct LaneRows<'a, R> {
-    rows: &'a MotionRows<R>,
-    lane: usize,
-}
-
 impl<R: Real> MotionRows<R> {
     /// No states, of islands with `n` coordinates; `like` sets the number of lanes.
     pub(crate) fn new(like: R, n: usize) -> Self {
@@ -60,17 +53,12 @@ impl<R: Real> MotionRows<R> {
         if self.is_full() || !R::any(self.recorded.zero().below(self.recorded)) {
             return;
         }
-        self.rounds[self.kept] = [stepper.time(), stepper.fresh * self.recorded];
+        self.rounds[self.kept] = [stepper.progress.time, stepper.fresh * self.recorded];
         let states = &mut self.states[self.kept * self.n..][..self.n];
         for i in 0..states.len() {
             states[i] = [stepper.q[i], stepper.v[i], stepper.at.f[i]];
         }
         self.kept += 1;
-    }
-
-    /// The rows of one lane.
-    pub(crate) fn of_lane(&self, lane: usize) -> LaneRows<'_, R> {
-        LaneRows { rows: self, lane }
     }
 
     /// Removes all rows.
@@ -89,23 +77,21 @@ impl<R: Real> MotionRows<R> {
             new.set_lane(lane, 0.0);
         }
     }
-}
 
-impl<R: Real> LaneRows<'_, R> {
-    /// Calls `state` with the number and the time [s] of every row whose state is new, in order of time.
+    /// Calls `state` with the number and the time [s] of every row of lane `lane` whose state is new, in order of time.
     #[inline]
-    pub(crate) fn each_new(&self, mut state: impl FnMut(usize, f64)) {
-        for (row, [time, new]) in self.rows.rounds[..self.rows.kept].iter().enumerate() {
-            if new.lane(self.lane) == 1.0 {
-                state(row, time.lane(self.lane));
+    pub(crate) fn each_new(&self, lane: usize, mut state: impl FnMut(usize, f64)) {
+        for (row, [time, new]) in self.rounds[..self.kept].iter().enumerate() {
+            if new.lane(lane) == 1.0 {
+                state(row, time.lane(lane));
             }
         }
     }
 
-    /// Position, velocity and generalised force of coordinate `k` in row `row` [SI].
+    /// Position, velocity and generalised force of coordinate `k` of a lane in row `row` [SI].
     #[inline]
-    pub(crate) fn coordinate(&self, row: usize, k: usize) -> [f64; 3] {
-        let of = &self.rows.states[row * self.rows.n + k];
-        [of[0].lane(self.lane), of[1].lane(self.lane), of[2].lane(self.lane)]
+    pub(crate) fn coordinate(&self, lane: usize, row: usize, k: usize) -> [f64; 3] {
+        let of = &self.states[row * self.n + k];
+        [of[0].lane(lane), of[1].lane(lane), of[2].lane(lane)]
     }
 }

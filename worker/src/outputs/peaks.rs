@@ -34,7 +34,7 @@
 use super::RecordingRequest;
 use crate::contact::PADS;
 use crate::integrate::{Dynamics, Linearised};
-use crate::mechanism::{End, Frame, Island};
+use crate::mechanism::{End, Frame, Island, TimedState};
 use crate::plane::length;
 use common::scene::{Attachment, Scene};
 
@@ -143,15 +143,9 @@ impl Peaks {
         }
     }
 
-    /// Adds an accepted state at time `t` [s], which is `later` than the start of the cycle.
-    pub(crate) fn push(
-        &mut self,
-        island: &Island,
-        (t, later): (f64, bool),
-        q: &[f64],
-        v: &[f64],
-        at: &Linearised,
-    ) {
+    /// Adds the accepted state `now`, which is `later` than the start of the cycle.
+    pub(crate) fn push(&mut self, island: &Island, now: TimedState, later: bool, at: &Linearised) {
+        let (_, q, v) = now;
         let acceleration = |k: usize| at.f[k] / island.mass()[k];
         for (_, End { frame, arm }, peak) in &mut self.accelerations {
             let k = 3 * *frame;
@@ -166,7 +160,7 @@ impl Peaks {
             peak.push(acceleration(3 * *slot + 2).abs(), later);
         }
         if let Some(impacts) = &mut self.impacts {
-            impacts.push(island, (t, later), q, v, at);
+            impacts.push(island, now, later, at);
         }
     }
 
@@ -188,23 +182,23 @@ impl Peaks {
 }
 
 impl ImpactRecording {
-    fn push(&mut self, island: &Island, (t, later): (f64, bool), q: &[f64], v: &[f64], at: &Linearised) {
+    fn push(&mut self, island: &Island, now: TimedState, later: bool, at: &Linearised) {
         for (joint, force) in at.joints.iter().enumerate() {
             let touches = force.penetration > 0.0;
             let flight = self.flight[joint].take();
             if !touches {
-                self.flight[joint] = Some(island.relative_velocity(joint, t, q, v));
+                self.flight[joint] = Some(island.relative_velocity(joint, now));
             } else if let Some(before) = flight {
                 // The direction of the contact, or before any force acts that of the eccentricity.
                 let pressed = length(force.direction) > 0.0;
                 let direction = if pressed { force.direction } else { unit(at.e[joint]) };
                 let speed = before[0] * direction[0] + before[1] * direction[1];
-                let mass = island.effective_mass(joint, direction, t, q, v);
+                let mass = island.effective_mass(joint, direction, now);
                 add(&mut self.counts[joint], 0.5 * mass * speed * speed, later);
             }
         }
         for guide in 0..island.guides.len() {
-            let corners = island.guide_corners(guide, t, q, v);
+            let corners = island.guide_corners(guide, now);
             let flights = &mut self.corners[guide];
             let faces = corners.chunks(PADS / 2).zip(flights.chunks_mut(PADS / 2));
             for (corners, flights) in faces {
@@ -221,7 +215,7 @@ impl ImpactRecording {
                 }
                 if struck > 0.0 {
                     let (speed, along) = (approach / struck, gradient.map(|sum| sum / struck));
-                    let mass = island.guide_mass(guide, along, t, q, v);
+                    let mass = island.guide_mass(guide, along, now);
                     let counts = &mut self.counts[island.joints.len() + guide];
                     add(counts, 0.5 * mass * speed * speed, later);
                 }

@@ -2,7 +2,7 @@
 //! cycle is displayed.
 
 use super::peaks::{Largest, Peaks};
-use super::{BodyTrack, FullRecording, LaneRows, MomentTrack, PointTrack, RecordingRequest};
+use super::{BodyTrack, FullRecording, MomentTrack, MotionRows, PointTrack, RecordingRequest};
 use crate::contact::GuideReaction;
 use crate::integrate::{Dynamics, Linearised, StateObserver};
 use crate::lanes::Real;
@@ -180,7 +180,7 @@ impl Recorder {
                 peak.push(force, later);
             }
         }
-        self.peaks.push(island, (t, later), q, v, at);
+        self.peaks.push(island, (t, q, v), later, at);
         if let Some(full) = &mut self.full {
             full.push(island, t, q, v, at);
         }
@@ -191,26 +191,26 @@ impl Recorder {
     pub(crate) fn record_rows<R: Real>(
         &mut self,
         island: &Island,
-        rows: &LaneRows<R>,
+        (rows, lane): (&MotionRows<R>, usize),
         space: (&mut [f64], &mut [f64], &mut Linearised),
     ) {
         let recorded = self.recorded;
         if self.points.is_empty() && !self.peaks.any() {
             for (slot, inertia, track) in &mut self.bodies {
-                rows.each_new(|row, t| {
-                    let [angle, omega, moment] = rows.coordinate(row, 3 * *slot + 2);
+                rows.each_new(lane, |row, t| {
+                    let [angle, omega, moment] = rows.coordinate(lane, row, 3 * *slot + 2);
                     if recorded != Some(t) {
                         track.push(t, [angle, omega, moment / *inertia]);
                     }
                 });
             }
-            rows.each_new(|_, t| self.recorded = Some(t));
+            rows.each_new(lane, |_, t| self.recorded = Some(t));
             return;
         }
         let (q, v, at) = space;
-        rows.each_new(|row, t| {
+        rows.each_new(lane, |row, t| {
             for (k, (q, v)) in q.iter_mut().zip(v.iter_mut()).enumerate() {
-                [*q, *v, at.f[k]] = rows.coordinate(row, k);
+                [*q, *v, at.f[k]] = rows.coordinate(lane, row, k);
             }
             if recorded != Some(t) {
                 self.record_motion(island, t, q, v, at);

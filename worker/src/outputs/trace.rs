@@ -109,18 +109,6 @@ impl BodyTrack {
         Piece::new(&self.time, omega, slopes, k)
     }
 
-    /// Bounds of the angle in interval `k`.
-    #[inline]
-    pub(super) fn angle_spread(&self, k: usize) -> Spread {
-        Spread::new(&self.time, &self.values[0], &self.values[1], k)
-    }
-
-    /// Bounds of the angular velocity in interval `k`: limited slopes are nearer to the secant.
-    #[inline]
-    pub(super) fn omega_spread(&self, k: usize) -> Spread {
-        Spread::new(&self.time, &self.values[1], &self.values[2], k)
-    }
-
     /// Angle [rad] and angular velocity [rad/s] at times `at` [s], increasing and within the track, each by cubic Hermite
     /// interpolation.
     pub(crate) fn resample(&self, at: &[f64]) -> (Vec<f64>, Vec<f64>) {
@@ -149,7 +137,7 @@ impl Spread {
     /// With the slopes d0, d1 and the rise r over the interval the cubic lies s (1 - s) ((1 - s) (d0 - r) - s (d1 - r)) beside its chord,
     /// s in [0, 1]: at most 4/27 (|d0 - r| + |d1 - r|).
     #[inline]
-    fn new(time: &[f64], value: &[f64], slope: &[f64], k: usize) -> Self {
+    pub(super) fn new(time: &[f64], value: &[f64], slope: &[f64], k: usize) -> Self {
         let h = time[k + 1] - time[k];
         let rise = value[k + 1] - value[k];
         let middle = 0.5 * (value[k] + value[k + 1]);

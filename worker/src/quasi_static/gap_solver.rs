@@ -45,7 +45,7 @@ pub struct NotConverged;
 pub struct GapSolver {
     n: usize,
     /// Gaps at the last accepted times, newest first; their times [s]; how many are known.
-    past: [Vec<f64>; 3],
+    pub(crate) past: [Vec<f64>; 3],
     time: [f64; 3],
     known: usize,
     predicted: Vec<f64>,
@@ -91,11 +91,6 @@ impl GapSolver {
             at,
             iterations: 0,
         }
-    }
-
-    /// The gaps at the last accepted time `(n,)` [m, rad].
-    pub(crate) fn gaps(&self) -> &[f64] {
-        &self.past[0]
     }
 
     /// Solves for the gaps at rest at time `t` [s], from the gaps `start` `(n,)`: pseudo-time steps of the dynamics that drop the

@@ -22,7 +22,7 @@ const REPEATS: f64 = 1e-6;
 pub struct IdealMotion {
     period: f64,
     /// Degrees of freedom.
-    n: usize,
+    pub(crate) n: usize,
     /// (q, v, a) at equal times from 0 to the period `(intervals + 1, 3, n)`.
     node: Vec<f64>,
     /// Whole turns of every coordinate per cycle, zero for lengths `(n,)` [rad].
@@ -35,11 +35,6 @@ impl IdealMotion {
         let advance = |i: usize| node[node.len() - 3 * n + i] - node[i];
         let turns = (0..n).map(|i| if i % 3 == 2 { TAU * (advance(i) / TAU).round() } else { 0.0 }).collect();
         IdealMotion { period, n, node, turns }
-    }
-
-    /// Number of degrees of freedom.
-    pub(crate) fn coordinates(&self) -> usize {
-        self.n
     }
 
     /// Writes position, velocity and acceleration at time `t` [s] to `q`, `v`, `a` `(n,)`. Outside the cycle the motion repeats
@@ -210,7 +205,7 @@ mod tests {
             let all = islands(&four_bar).expect("clearance joints only");
             ideal_motions(scene, &all.iter().collect::<Vec<_>>(), &poses)
         };
-        assert!(motions(&four_bar, &four_bar).is_ok_and(|m| m.len() == 1 && m[0].coordinates() == 6));
+        assert!(motions(&four_bar, &four_bar).is_ok_and(|m| m.len() == 1 && m[0].n == 6));
         let mut ideal = four_bar.clone();
         ideal.joints[1].kind = JointKind::Revolute;
         assert_eq!(motions(&ideal, &four_bar), Err(Unsuitable::IdealJoint("coupler".into())));

@@ -15,7 +15,7 @@
 //! | `ideal_motion.rs` | q_ideal, v_ideal, a_ideal as functions of time |
 //! | `gap_solver.rs` | equilibrium of the gaps, and one time step of them |
 //! | `stepper.rs` | steps with error control through a span of time |
-//! | `wear_rates.rs` | difference of the wear rates of two models of the motion |
+//! | `unsuitable.rs` | difference of the wear rates of two models of the motion |
 //! | `unsuitable.rs` | reasons to use the dynamics instead |
 //!
 //! # Source
@@ -27,9 +27,8 @@ mod gap_solver;
 mod ideal_motion;
 mod stepper;
 mod unsuitable;
-mod wear_rates;
 
 pub(crate) use ideal_motion::{IdealMotion, ideal_motions};
 pub(crate) use stepper::QuasiStaticStepper;
 pub use unsuitable::Unsuitable;
-pub(crate) use wear_rates::wear_rate_difference;
+pub(crate) use unsuitable::wear_rate_difference;

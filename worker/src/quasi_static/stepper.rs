@@ -17,7 +17,7 @@ use crate::integrate::{Linearised, StateObserver, StepControl, StepCounts, Stepp
 #[derive(Debug, Clone)]
 pub struct QuasiStaticStepper {
     ideal: IdealMotion,
-    solver: GapSolver,
+    pub(crate) solver: GapSolver,
     control: StepControl,
     /// Time reached [s].
     time: f64,
@@ -30,16 +30,6 @@ impl QuasiStaticStepper {
     /// A stepper on this ideal motion, with space in `at` for the island's linearisation.
     pub(crate) fn new(ideal: IdealMotion, at: Linearised, control: StepControl) -> Self {
         QuasiStaticStepper { ideal, solver: GapSolver::new(at), control, time: 0.0 }
-    }
-
-    /// The gaps `(n,)`: coordinates minus those of the ideal mechanism [m, rad].
-    pub(crate) fn gaps(&self) -> &[f64] {
-        self.solver.gaps()
-    }
-
-    /// Coordinates and their rates at the time reached `(n,)` each.
-    pub(crate) fn state(&self) -> (&[f64], &[f64]) {
-        (&self.solver.q, &self.solver.v)
     }
 
     /// Starts at time `t` [s] from the equilibrium of the gaps, searched for from the gaps `start` `(n,)`.

@@ -144,11 +144,11 @@ pub struct Depth {
 /// The faces of a guide and of its slider as worn so far.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RailFaces {
-    layout: RailLayout,
+    pub(crate) layout: RailLayout,
     /// Cubics between the control points of both faces of the guide `(2, points - 1)` [m].
     guide: [Vec<Cubic>; 2],
     /// Depth at the nodes of both faces of the slider `(2, nodes)` [m].
-    slider: [Vec<f64>; 2],
+    pub(crate) slider: [Vec<f64>; 2],
 }
 
 impl RailFaces {
@@ -157,11 +157,6 @@ impl RailFaces {
         let guide = vec![Cubic([0.0; 4]); layout.points - 1];
         let slider = vec![0.0; layout.nodes()];
         RailFaces { layout, guide: [guide.clone(), guide], slider: [slider.clone(), slider] }
-    }
-
-    /// Where the control points are.
-    pub(crate) fn layout(&self) -> &RailLayout {
-        &self.layout
     }
 
     /// Replaces the depths `(depths,)` [m].
@@ -198,12 +193,6 @@ impl RailFaces {
             bend: cubic.curvature(fraction) * per_spacing * per_spacing,
         }
     }
-
-    /// Depth at a node of a face of the slider [m].
-    #[inline(always)]
-    pub(crate) fn slider_depth(&self, face: usize, node: usize) -> f64 {
-        self.slider[face][node]
-    }
 }
 
 /// Determinant of two constraints below which they are parallel, over the slider's length [1].
@@ -211,13 +200,13 @@ const PARALLEL: f64 = 1e-12;
 
 /// Range of `lambda[0]` a + `lambda[1]` b of a slider with its middle at `s` [m] and the `clearance` [m] on each side.
 pub(crate) fn play(faces: &RailFaces, clearance: f64, lambda: [f64; 2], s: f64) -> f64 {
-    let layout = faces.layout();
+    let layout = &faces.layout;
     let constraints: Vec<([f64; 2], f64)> = [(0, 1.0), (1, -1.0)]
         .into_iter()
         .flat_map(|(face, sign)| {
             (0..layout.nodes()).map(move |node| {
                 let x = layout.node(node);
-                let worn = faces.guide_depth(face, s + x).w + faces.slider_depth(face, node);
+                let worn = faces.guide_depth(face, s + x).w + faces.slider[face][node];
                 ([sign, sign * x], clearance + worn)
             })
         })
@@ -270,7 +259,7 @@ mod tests {
         depth[3..8].copy_from_slice(&[2e-6, 5e-6, 5e-6, 4e-6, 1e-6]);
         depth[layout.guide_depths() + 2] = 7e-6;
         faces.set_depth(&depth);
-        assert_eq!((faces.slider_depth(0, 2), faces.slider_depth(1, 2)), (7e-6, 0.0));
+        assert_eq!((faces.slider[0][2], faces.slider[1][2]), (7e-6, 0.0));
         for (k, depth) in depth[..11].iter().enumerate() {
             let s = -0.1 + 0.025 * k as f64;
             assert!((faces.guide_depth(0, s).w - depth).abs() < 1e-18, "{k}");
@@ -337,7 +326,7 @@ mod play_tests {
     #[test]
     fn wear_adds_the_play_that_the_slider_can_use() {
         let mut faces = faces();
-        let layout = *faces.layout();
+        let layout = faces.layout;
         let mut depth = vec![0.0; layout.depths()];
         depth[..11].fill(6e-6);
         faces.set_depth(&depth);

@@ -3,15 +3,11 @@
 //!
 //! There are three kinds of reply: work; "idle, claim again in T" (a notice ends the wait early); none, after which the worker backs off.
 
-mod replies;
-
 use super::backoff::Backoff;
 use super::claim_event::{ClaimEvent, PendingClaim};
-use super::connection_monitor::ConnectionMonitor;
+use super::connection_monitor::{ConnectionMonitor, LicenceContact, OwnCampaign};
 use super::leave_policy::LeavePolicy;
-use super::licence_contact::LicenceContact;
 use super::link::Link;
-use super::own_campaign::OwnCampaign;
 use super::prefetch::PrefetchEstimator;
 use super::slots::Slots;
 use super::unacknowledged::UnacknowledgedResults;
@@ -21,6 +17,8 @@ use common::wire::{self, Claim, Notice, Refused, Task, TaskKey, WorkerId};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
+
+mod replies;
 
 /// Size of unacknowledged outcomes above which the worker takes no more tasks [bytes].
 const MOST_UNACKNOWLEDGED: usize = 64 << 20;
@@ -108,10 +106,10 @@ impl ClaimLoop {
     /// [`ServiceError`].
     pub(crate) fn run(mut self, inbox: &Receiver<ClaimEvent>) -> Result<Departure, ServiceError> {
         let departure = self.serve(inbox);
-        self.slots.shares().stop_competing(self.coordinator);
+        self.slots.shares.stop_competing(self.coordinator);
         self.withdraw(|_| true);
         self.link.close();
-        self.slots.simulator().on_campaign_ended();
+        self.slots.simulator.on_campaign_ended();
         departure
     }
 
@@ -207,7 +205,7 @@ impl ClaimLoop {
 
     fn on_no_reply(&mut self, now: Instant, reason: String) {
         let since = self.pending.take().map_or(now, |claim| claim.since);
-        self.slots.shares().answered(self.coordinator, 0, now);
+        self.slots.shares.answered(self.coordinator, 0, now);
         self.monitor.on_failure(since, reason);
         self.unacknowledged.resend_all(now);
         let pause = self.backoff.next(self.sequence);
@@ -221,13 +219,13 @@ impl ClaimLoop {
 
     /// Number of tasks to request now.
     fn credits(&self, now: Instant) -> usize {
-        let shares = self.slots.shares();
+        let shares = &self.slots.shares;
         if !self.accepts_tasks() || self.claim_at.max(self.silent_until) > now {
             shares.stop_competing(self.coordinator);
             return 0;
         }
         let prefetched = self.config.prefetch.max(self.prefetch.tasks(self.config.slots));
-        shares.allowance(self.coordinator, self.slots.at_once() + prefetched, now)
+        shares.allowance(self.coordinator, self.slots.at_once + prefetched, now)
     }
 
     fn claim_if_due(&mut self, now: Instant) -> Result<(), ServiceError> {
@@ -251,7 +249,7 @@ impl ClaimLoop {
         let claim = Claim {
             worker: self.worker.clone(),
             sequence: self.sequence,
-            offers: self.slots.simulator().offers(),
+            offers: self.slots.simulator.offers(),
             slots: u32::try_from(self.config.slots).unwrap_or(u32::MAX),
             credits: u32::try_from(credits).unwrap_or(u32::MAX),
             holding,
@@ -259,7 +257,7 @@ impl ClaimLoop {
             leaving,
         };
         let frame = wire::encode(&claim)?;
-        self.slots.shares().request(self.coordinator, credits, now);
+        self.slots.shares.request(self.coordinator, credits, now);
         self.pending = Some(PendingClaim { sequence: self.sequence, credits, leaving, since: now });
         if let Err(reason) = self.link.send_claim(self.sequence, frame) {
             self.on_no_reply(now, reason);
@@ -268,7 +266,7 @@ impl ClaimLoop {
     }
 
     fn next_wake(&self, now: Instant) -> Instant {
-        let idle = self.slots.shares().idle_for(now);
+        let idle = self.slots.shares.idle_for(now);
         let mut wake = now + POLL_INTERVAL;
         if self.pending.is_none() {
             let claim = Some(self.claim_at).filter(|at| self.accepts_tasks() && *at > now);
@@ -287,7 +285,7 @@ impl ClaimLoop {
             // The coordinator may give their licences to other workers.
             self.must_claim |= self.withdraw(|_| true) > 0;
             self.contact.end(self.running.drain(..).map(|(task, _)| task));
-            self.slots.simulator().stop_jobs_of(self.coordinator);
+            self.slots.simulator.stop_jobs_of(self.coordinator);
         }
         self.limit_contact();
     }
@@ -295,7 +293,7 @@ impl ClaimLoop {
     /// Gives the simulator the time at which it ends them if this process cannot.
     fn limit_contact(&mut self) {
         if let Some(until) = self.contact.new_limit(self.running.len()) {
-            self.slots.simulator().limit_contact(self.coordinator, until);
+            self.slots.simulator.limit_contact(self.coordinator, until);
         }
     }
 
@@ -305,12 +303,12 @@ impl ClaimLoop {
         if self.pending.as_ref().is_some_and(|claim| now.duration_since(claim.since) > limit) {
             self.on_no_reply(now, "the claim got no reply".into());
         }
-        self.leave_policy.check(now, self.prefetch.longest(), self.slots.shares().idle_for(now));
+        self.leave_policy.check(now, self.prefetch.longest(), self.slots.shares.idle_for(now));
         if self.leaving_since.is_none() && self.leave_policy.must_leave(now, self.running.len()) {
             self.leaving_since = Some(now);
             // Their time is over at all coordinators.
             if !self.running.is_empty() {
-                self.slots.simulator().stop();
+                self.slots.simulator.stop();
             }
         }
         if let Some(since) = self.leaving_since {

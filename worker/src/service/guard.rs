@@ -1,8 +1,8 @@
 //! Evaluates tasks so that panics and non-finite results become failed outcomes.
 
 use super::{Job, Simulator};
+use common::external::SampleResult;
 use common::failure::SimulationFailure;
-use common::outputs::Evaluation;
 use common::panics::caught;
 use common::wire::{self, Outcome};
 use std::cell::RefCell;
@@ -57,31 +57,18 @@ fn evaluate_alone(simulator: &dyn Simulator, worker: &str, job: Job) -> Outcome 
     outcome_of(job, worker, begun.elapsed(), result.unwrap_or_else(failed))
 }
 
-fn outcome_of(
-    job: Job,
-    worker: &str,
-    took: Duration,
-    result: Result<Evaluation, SimulationFailure>,
-) -> Outcome {
+fn outcome_of(job: Job, worker: &str, took: Duration, result: SampleResult) -> Outcome {
     let (worker, wall) = (worker.to_owned(), took.as_secs_f64());
     within_size(Outcome { task: job.task, worker, wall, result: only_finite(result) })
 }
 
-fn only_finite(result: Result<Evaluation, SimulationFailure>) -> Result<Evaluation, SimulationFailure> {
-    match result {
-        Ok(evaluation) => match wire::find_non_finite(&evaluation) {
-            None => Ok(evaluation),
-            Some(found) => Err(SimulationFailure::NotFinite {
-                cycle: found.cycle.unwrap_or(0),
-                time: 0.0,
-                quantity: found.quantity,
-            }),
-        },
-        Err(failure) if !wire::failure_is_finite(&failure) => {
-            Err(SimulationFailure::NotFinite { cycle: 0, time: 0.0, quantity: format!("failure: {failure}") })
-        }
-        Err(failure) => Err(failure),
-    }
+fn only_finite(result: SampleResult) -> SampleResult {
+    let found = match &result {
+        Ok(evaluation) => wire::find_non_finite(evaluation).map(|it| (it.cycle.unwrap_or(0), it.quantity)),
+        Err(failure) => (!wire::failure_is_finite(failure)).then(|| (0, format!("failure: {failure}"))),
+    };
+    let Some((cycle, quantity)) = found else { return result };
+    Err(SimulationFailure::NotFinite { cycle, time: 0.0, quantity })
 }
 
 fn within_size(outcome: Outcome) -> Outcome {
@@ -102,7 +89,7 @@ mod tests {
 
     fn outcomes_of<F>(simulate: F, jobs: usize) -> Vec<Outcome>
     where
-        F: Fn(f64) -> Result<Evaluation, SimulationFailure> + Send + Sync,
+        F: Fn(f64) -> SampleResult + Send + Sync,
     {
         let mut outcomes = vec![];
         let mut waiting = (1..jobs).map(|k| job(3.0 + k as f64));
@@ -114,9 +101,7 @@ mod tests {
         outcomes
     }
 
-    fn outcome_of(
-        simulate: impl Fn(f64) -> Result<Evaluation, SimulationFailure> + Send + Sync,
-    ) -> Result<Evaluation, SimulationFailure> {
+    fn outcome_of(simulate: impl Fn(f64) -> SampleResult + Send + Sync) -> SampleResult {
         let outcome = outcomes_of(simulate, 1).remove(0);
         assert_eq!((&outcome.task, outcome.worker.as_str()), (&job(3.0).task, "w/0"));
         assert!(

@@ -10,14 +10,6 @@ const RESERVED: Duration = Duration::from_secs(8);
 /// Upper bound of that part as a share of the run time [1].
 const RESERVED_SHARE: f64 = 0.1;
 
-/// Reason to leave.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Reason {
-    Stopped,
-    Idle,
-    Walltime,
-}
-
 /// Limits of a worker's stay, and whether it is leaving.
 #[derive(Debug)]
 pub(super) struct LeavePolicy {
@@ -26,7 +18,7 @@ pub(super) struct LeavePolicy {
     idle_timeout: Option<Duration>,
     drain: Duration,
     /// Why the worker takes no new tasks, and the time limit of its running tasks.
-    draining: Option<(Reason, Instant)>,
+    draining: Option<(Departure, Instant)>,
 }
 
 impl LeavePolicy {
@@ -44,9 +36,9 @@ impl LeavePolicy {
 
     /// Registers a stop request.
     pub(crate) fn request_stop(&mut self, now: Instant) {
-        if self.draining.is_none_or(|(reason, _)| reason != Reason::Stopped) {
+        if self.draining.is_none_or(|(reason, _)| !matches!(reason, Departure::Stopped { .. })) {
             let until = self.time_up.map_or(now + self.drain, |up| up.min(now + self.drain));
-            self.draining = Some((Reason::Stopped, until));
+            self.draining = Some((Departure::Stopped { lost: 0 }, until));
         }
     }
 
@@ -64,9 +56,9 @@ impl LeavePolicy {
         if let Some(up) = self.time_up
             && now + longest.unwrap_or_default() >= up
         {
-            self.draining = Some((Reason::Walltime, up));
+            self.draining = Some((Departure::TimeUp { lost: 0 }, up));
         } else if self.idle_timeout.is_some_and(|timeout| idle >= timeout) {
-            self.draining = Some((Reason::Idle, now));
+            self.draining = Some((Departure::Idle, now));
         }
     }
 
@@ -99,8 +91,8 @@ impl LeavePolicy {
     /// The departure with `lost` outcomes that could not be returned.
     pub(crate) fn departure(&self, lost: usize) -> Departure {
         match self.draining {
-            Some((Reason::Idle, _)) if lost == 0 => Departure::Idle,
-            Some((Reason::Walltime, _)) => Departure::TimeUp { lost },
+            Some((Departure::Idle, _)) if lost == 0 => Departure::Idle,
+            Some((Departure::TimeUp { .. }, _)) => Departure::TimeUp { lost },
             _ => Departure::Stopped { lost },
         }
     }

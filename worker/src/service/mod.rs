@@ -20,13 +20,10 @@ mod connection_monitor;
 mod fair_share;
 mod guard;
 mod leave_policy;
-mod licence_contact;
 mod link;
-mod own_campaign;
 #[cfg(test)]
 mod practice_tests;
 mod prefetch;
-mod queue;
 mod slots;
 mod unacknowledged;
 mod worker_handle;

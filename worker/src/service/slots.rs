@@ -1,13 +1,18 @@
 //! The simulation threads. They share one queue of jobs; each runs several side by side if the simulator supports it. Each
 //! outcome goes to the claim loop of its coordinator.
+//!
+//! # Queue of a claim
+//! Queue of a worker's waiting jobs. Each slot takes at most its fair share, so that no slot is idle while another one runs
+//! several jobs side by side.
 
 use super::claim_event::ClaimEvent;
 use super::fair_share::FairShare;
-use super::queue::Queue;
 use super::{Job, ServiceConfig, Simulator, guard};
+use common::locks::locked;
 use common::wire::Task;
-use std::sync::Arc;
+use std::collections::VecDeque;
 use std::sync::mpsc::Sender;
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::Instant;
 
 /// Lowered priority of slots, on the scale of `nice`: a competing thread gets three quarters of the core. With 10 it would
@@ -17,10 +22,14 @@ const LOWERED_PRIORITY: i32 = 5;
 
 /// The slots of a worker. When dropped, waiting jobs are removed; the outcomes of running jobs are discarded.
 pub(super) struct Slots {
-    queue: Arc<Queue>,
-    shares: Arc<FairShare>,
-    simulator: Arc<dyn Simulator>,
-    at_once: usize,
+    /// Jobs that wait for a slot.
+    pub(super) queue: Arc<Queue>,
+    /// How the coordinators share the slots.
+    pub(super) shares: Arc<FairShare>,
+    /// What the slots offer, and what to release when they are not used.
+    pub(super) simulator: Arc<dyn Simulator>,
+    /// Number of jobs that can run at once.
+    pub(super) at_once: usize,
 }
 
 impl Slots {
@@ -51,26 +60,6 @@ impl Slots {
             })?;
         }
         Ok(slots)
-    }
-
-    /// Number of jobs that can run at once.
-    pub(crate) fn at_once(&self) -> usize {
-        self.at_once
-    }
-
-    /// What the slots offer, and what to release when they are not used.
-    pub(crate) fn simulator(&self) -> &dyn Simulator {
-        &*self.simulator
-    }
-
-    /// How the coordinators share the slots.
-    pub(crate) fn shares(&self) -> &FairShare {
-        &self.shares
-    }
-
-    /// Appends a job to the queue.
-    pub(crate) fn start_job(&self, job: Job) {
-        self.queue.push(job);
     }
 
     /// Removes the waiting tasks of a coordinator that are `unwanted`; returns them.
@@ -116,5 +105,120 @@ fn lower_priority() {
     #[cfg(target_os = "linux")]
     if let Err(error) = rustix::process::setpriority_process(None, LOWERED_PRIORITY) {
         tracing::debug!("the priority of a slot cannot be lowered: {error}");
+    }
+}
+
+/// Waiting jobs, and the number of running ones.
+pub(super) struct Queue {
+    slots: usize,
+    state: Mutex<QueueState>,
+    changed: Condvar,
+}
+
+#[derive(Default)]
+struct QueueState {
+    waiting: VecDeque<Job>,
+    running: usize,
+    closed: bool,
+}
+
+impl Queue {
+    /// An empty queue for `slots` slots.
+    pub(crate) fn new(slots: usize) -> Self {
+        Queue { slots, state: Mutex::default(), changed: Condvar::new() }
+    }
+
+    /// Appends a job.
+    pub(crate) fn push(&self, job: Job) {
+        locked(&self.state).waiting.push_back(job);
+        self.changed.notify_one();
+    }
+
+    /// Removes and returns the waiting jobs that are `unwanted`.
+    pub(crate) fn withdraw(&self, unwanted: impl Fn(&Job) -> bool) -> VecDeque<Job> {
+        let mut state = locked(&self.state);
+        let (out, kept) = std::mem::take(&mut state.waiting).into_iter().partition(unwanted);
+        state.waiting = kept;
+        out
+    }
+
+    /// Removes all waiting jobs; no slot gets a job afterwards.
+    pub(crate) fn close(&self) {
+        let mut state = locked(&self.state);
+        state.closed = true;
+        state.waiting.clear();
+        self.changed.notify_all();
+    }
+
+    /// Waits for a job for an idle slot; `None` once the queue is closed.
+    pub(crate) fn first(&self) -> Option<Job> {
+        let idle = |state: &mut QueueState| !state.closed && state.waiting.is_empty();
+        let mut state =
+            self.changed.wait_while(locked(&self.state), idle).unwrap_or_else(PoisonError::into_inner);
+        state.take()
+    }
+
+    /// Another job for a slot already running `mine`, unless that exceeds its fair share.
+    pub(crate) fn another(&self, mine: usize) -> Option<Job> {
+        let mut state = locked(&self.state);
+        let share = (state.running + state.waiting.len()).div_ceil(self.slots);
+        if mine < share { state.take() } else { None }
+    }
+
+    /// Counts the end of a job.
+    pub(crate) fn ended(&self) {
+        let mut state = locked(&self.state);
+        state.running = state.running.saturating_sub(1);
+    }
+}
+
+impl QueueState {
+    fn take(&mut self) -> Option<Job> {
+        let job = self.waiting.pop_front()?;
+        self.running += 1;
+        Some(job)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::service::practice_tests::job;
+
+    #[test]
+    fn a_slot_takes_its_share_and_leaves_the_others_theirs() {
+        let queue = Queue::new(2);
+        (0..5).for_each(|k| queue.push(job(f64::from(k))));
+        assert_eq!(queue.first().expect("waits").sample(), [0.0]);
+        assert_eq!(queue.another(1).expect("of five, three are its share").sample(), [1.0]);
+        assert_eq!(queue.another(2).expect("the third").sample(), [2.0]);
+        assert!(queue.another(3).is_none());
+        assert_eq!(queue.first().expect("the other slot").sample(), [3.0]);
+        assert_eq!(queue.another(1).expect("its second").sample(), [4.0]);
+        assert!(queue.another(2).is_none());
+        // The share also bounds jobs that arrive later.
+        (0..2).for_each(|_| queue.ended());
+        queue.push(job(5.0));
+        assert!(queue.another(2).is_none());
+        assert_eq!(queue.another(1).expect("four in all, two each").sample(), [5.0]);
+    }
+
+    #[test]
+    fn a_withdrawn_job_is_not_taken() {
+        let queue = Queue::new(1);
+        (0..3).for_each(|k| queue.push(job(f64::from(k))));
+        let out = queue.withdraw(|job| job.sample() == [1.0]);
+        assert_eq!(out.iter().map(|job| job.sample()[0]).collect::<Vec<_>>(), [1.0]);
+        assert_eq!(queue.first().expect("waits").sample(), [0.0]);
+        assert_eq!(queue.another(0).expect("waits").sample(), [2.0]);
+    }
+
+    #[test]
+    fn a_closed_queue_returns_no_job() {
+        let queue = Queue::new(1);
+        queue.push(job(0.0));
+        queue.close();
+        assert!(queue.first().is_none());
+        assert!(queue.another(0).is_none());
     }
 }

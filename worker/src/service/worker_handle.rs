@@ -9,7 +9,7 @@ use super::slots::Slots;
 use super::{Departure, ServiceConfig, ServiceError, Simulator, new_epoch};
 use common::wire::{WorkerId, worker_name};
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::{Sender, channel};
 use std::thread::JoinHandle;
 use std::time::Instant;
 
@@ -111,52 +111,30 @@ pub fn spawn(config: ServiceConfig, simulator: Arc<dyn Simulator>) -> Result<Wor
     for (coordinator, (received, link)) in received.into_iter().zip(links).enumerate() {
         let (config, worker, slots) = (config.clone(), worker.clone(), Arc::clone(&slots));
         let inbox = inboxes[coordinator].clone();
-        let thread = CoordinatorThread { config, worker, coordinator, slots, link, inbox, started };
+        let serve = move || {
+            let mut monitor = ConnectionMonitor::new(&config.connect[coordinator], config.give_up_after);
+            let leave_policy = LeavePolicy::new(&config, started);
+            let departure = |now: Instant| leave_policy.over_before_work(now, slots.shares.idle_for(now));
+            match Link::connect(&link, &config, &worker, &inbox, &received, &mut monitor, departure)? {
+                Ok(link) => ClaimLoop::new(config, worker, coordinator, link, slots, monitor, leave_policy)
+                    .run(&received),
+                Err(departure) => Ok(departure),
+            }
+        };
+        let has_others = inboxes.len() > 1;
+        let report = move |error: &ServiceError| {
+            // The worker continues with the other coordinators, so its caller does not report the error.
+            if has_others {
+                tracing::warn!("{error}");
+            }
+        };
         let handle = std::thread::Builder::new()
             .name(format!("worker-claims-{coordinator}"))
-            .spawn(move || thread.run(&received))
+            .spawn(move || serve().inspect_err(report))
             .map_err(ServiceError::Thread)?;
         claims.push(handle);
     }
     Ok(WorkerHandle { stopper: Stopper(inboxes), claims })
-}
-
-/// The thread that serves one coordinator.
-struct CoordinatorThread {
-    config: ServiceConfig,
-    worker: WorkerId,
-    coordinator: usize,
-    slots: Arc<Slots>,
-    link: LinkSettings,
-    inbox: Sender<ClaimEvent>,
-    started: Instant,
-}
-
-impl CoordinatorThread {
-    fn run(self, received: &Receiver<ClaimEvent>) -> Result<Departure, ServiceError> {
-        let has_others = self.config.connect.len() > 1;
-        let ended = self.serve(received);
-        if let Err(error) = &ended
-            && has_others
-        {
-            // The worker continues with the other coordinators, so its caller does not report the error.
-            tracing::warn!("{error}");
-        }
-        ended
-    }
-
-    fn serve(self, received: &Receiver<ClaimEvent>) -> Result<Departure, ServiceError> {
-        let CoordinatorThread { config, worker, coordinator, slots, link, inbox, started } = self;
-        let mut monitor = ConnectionMonitor::new(&config.connect[coordinator], config.give_up_after);
-        let leave_policy = LeavePolicy::new(&config, started);
-        let departure = |now: Instant| leave_policy.over_before_work(now, slots.shares().idle_for(now));
-        match Link::connect(&link, &config, &worker, &inbox, received, &mut monitor, departure)? {
-            Ok(link) => {
-                ClaimLoop::new(config, worker, coordinator, link, slots, monitor, leave_policy).run(received)
-            }
-            Err(departure) => Ok(departure),
-        }
-    }
 }
 
 /// Starts a worker and waits for its end.

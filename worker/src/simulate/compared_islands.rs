@@ -8,11 +8,10 @@
 //! for an output y of the motion, and the change of the wear rates in the joints of S.
 
 use super::probe::{CycleValues, Probe, SURFACES};
-use super::run::Run;
+use super::{Run, Simulated};
 use crate::mechanism::WearingPair;
 use crate::outputs::Recorder;
 use common::accuracy::Accuracy;
-use common::failure::SimulationFailure;
 use std::mem::replace;
 
 /// A measured cycle and the one after it.
@@ -31,11 +30,7 @@ impl Run<'_> {
     ///
     /// # Errors
     /// [`SimulationFailure`] if the further cycle fails.
-    pub(crate) async fn compare_next(
-        &mut self,
-        life: u32,
-        steps: &[Accuracy],
-    ) -> Result<ComparedCycles, SimulationFailure> {
+    pub(crate) async fn compare_next(&mut self, life: u32, steps: &[Accuracy]) -> Simulated<ComparedCycles> {
         let measured = self.measured_values(life)?;
         let kept: Vec<Recorder> = self.islands.iter().map(|state| state.recorder.clone()).collect();
         let mut tools = self.tools_for(steps);
@@ -79,7 +74,7 @@ impl Run<'_> {
         &mut self,
         compared: &ComparedCycles,
         steps: &[Accuracy],
-    ) -> Result<Probe, SimulationFailure> {
+    ) -> Simulated<Probe> {
         let probe = self.changes(compared, &vec![true; steps.len()]);
         let life = compared.life;
         let is_enough = !self.depends_on_last_impact()

@@ -12,13 +12,13 @@
 //! # Source
 //! Archard (1953), J. Appl. Phys. 24, 981-988: wear is linear in the work.
 
+use super::failures::Simulated;
 use super::probe::SURFACES;
 use super::run::Run;
 use super::side_by_side::LaneQueue;
 use crate::mechanism::WearingPair;
 use crate::wear::WearHistory;
 use common::accuracy::Accuracy;
-use common::failure::SimulationFailure;
 use common::scene::Scene;
 
 /// The scene under each of its conditions, with their shares of the cycles [1]; the scene itself if it has none.
@@ -37,7 +37,7 @@ pub(crate) fn assemble<'a>(
     queue: &LaneQueue,
     scene: &'a Scene,
     accuracy: &'a Accuracy,
-) -> Result<Vec<Run<'a>>, SimulationFailure> {
+) -> Simulated<Vec<Run<'a>>> {
     let conditions = condition_scenes(scene).into_iter();
     let assembled = conditions.map(|(scene, share)| {
         let mut run = Run::assemble(queue.clone(), scene, accuracy)?;

@@ -12,18 +12,16 @@
 //! Error against points per arc: measured here (`cargo bench -p worker --bench control_points`).
 //!
 //! # Contact arcs
-//! Contact arcs of the joints that wear, against the spacing of their control points. `wear/contact_arc.rs` has the arc of a contact history.
+//! Contact arcs of the joints that wear, against the spacing of their control points. `wear/condense.rs` has the arc of a contact history.
 
-use super::conditions;
 use super::island_state::IslandState;
-use super::run::Run;
-use super::side_by_side::{LaneQueue, join};
+use super::{LaneQueue, Run, Simulated, conditions, join};
 use crate::integrate::StepCounts;
 use crate::mechanism::WearingPair;
 use crate::wear::mean_contact_arc;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
-use common::scene::{ControlPoints, JointKind, Scene};
+use common::scene::{Clearance, ControlPoints, GuideClearance, JointKind, Scene};
 use std::f64::consts::TAU;
 
 /// Step between the numbers that are chosen.
@@ -46,7 +44,7 @@ pub struct NumberedScene {
 pub(crate) async fn with_control_points(
     queue: &LaneQueue,
     scene: &Scene,
-) -> Result<Option<NumberedScene>, SimulationFailure> {
+) -> Simulated<Option<NumberedScene>> {
     if !scene.joints.iter().any(|joint| is_open(&joint.kind)) {
         return Ok(None);
     }
@@ -92,15 +90,11 @@ pub(crate) fn with_more_points(scene: &Scene, factor: u32) -> Option<Scene> {
 fn multiply(scene: &mut Scene, factor: usize) {
     for joint in &mut scene.joints {
         match &mut joint.kind {
-            JointKind::Clearance(clearance) => {
-                if let ControlPoints::Number(points) = &mut clearance.control_points {
-                    *points *= factor;
-                }
+            JointKind::Clearance(Clearance { control_points: ControlPoints::Number(points), .. }) => {
+                *points *= factor;
             }
-            JointKind::Guide(guide) => {
-                if let Some(wear) = &mut guide.wear {
-                    wear.control_points = factor * (wear.control_points - 1) + 1;
-                }
+            JointKind::Guide(GuideClearance { wear: Some(wear), .. }) => {
+                wear.control_points = factor * (wear.control_points - 1) + 1;
             }
             _ => {}
         }
@@ -167,7 +161,7 @@ pub(super) fn contact_arcs(scene: &Scene, islands: &[IslandState]) -> Vec<Contac
     for state in islands {
         let joints = state.island.joints.iter().zip(&state.recorder.histories);
         for (joint, history) in joints.filter(|(joint, _)| joint.wears()) {
-            let radii = [joint.profile.initial_radius(), joint.contact.surface().journal_radius];
+            let radii = [joint.profile.initial_radius, joint.contact.surface().journal_radius];
             found.push(ContactArc {
                 scene_joint: joint.scene_joint,
                 joint: scene.joints[joint.scene_joint].name.clone(),

@@ -12,7 +12,7 @@
 //!   at least, with c = 2, that at lives where y goes up and down from one to the next, since it depends on details of the bores;
 //! - e, relative error of the wear, which displaces the life by e N.
 //!
-//! To it is added what more control points change (`finer_surfaces.rs`, `finer_cycles.rs`), unless the scene declares their number a part of its model.
+//! To it is added what more control points change (`partial_life.rs`, `probe.rs`), unless the scene declares their number a part of its model.
 //!
 //! For a wear depth it is the root of the sum of squares of two: the error of wear steps, blocks and control points, from a bore
 //! that wears more exactly beside it (`finer_bore.rs`), and twice the relative change of the wear rate in the probes times the depth.
@@ -45,11 +45,7 @@ const HARMONICS: f64 = 15.0;
 const ROUNDING: f64 = 1e-10;
 
 /// Wear of a joint, and its estimated error from wear steps, blocks and control points.
-#[derive(Clone, Copy, Default)]
-struct WornJoint {
-    worn: WornAmounts,
-    error: WornAmounts,
-}
+type WornJoint = [WornAmounts; 2];
 
 /// Probes and wear of an evaluation, from which its error is estimated.
 #[derive(Clone)]
@@ -74,8 +70,7 @@ impl ErrorEstimate {
     /// Adds the wear at `life` [cycles], the end of a block, where the joints of `run` have been compared with their copies and were
     /// worn by `amounts` `(joints,)`.
     pub(crate) fn add_wear(&mut self, run: &Run, life: u32, amounts: &[WornAmounts]) {
-        let unknown = |&worn: &WornAmounts| WornJoint { worn, error: WornAmounts::default() };
-        let mut worn: Vec<WornJoint> = amounts.iter().map(unknown).collect();
+        let mut worn: Vec<WornJoint> = amounts.iter().map(|&worn| [worn, WornAmounts::default()]).collect();
         let every = run.scene.life.checkpoint_every;
         let start = self.lives.last().copied().unwrap_or(0);
         let within = (start / every + 1..life.div_ceil(every)).map(|k| k * every);
@@ -83,7 +78,7 @@ impl ErrorEstimate {
             within.map(|life| (life, vec![WornAmounts::default(); amounts.len()])).collect();
         for state in &run.islands {
             for (pair, finer) in state.island.pairs().zip(&state.finer) {
-                worn[pair.scene_joint()].error = finer.errors();
+                worn[pair.scene_joint()][1] = finer.errors();
                 for ((_, joints), error) in within.iter_mut().zip(finer.errors_within()) {
                     joints[pair.scene_joint()] = error;
                 }
@@ -166,12 +161,12 @@ impl ErrorEstimate {
         let value = |amounts: &dyn Fn(usize) -> WornAmounts| {
             wear_output(quantity, joints.iter().map(|&joint| amounts(joint)))
         };
-        let now = value(&|j| worn[j].worn);
+        let now = value(&|j| worn[j][0]);
         let within = self.within.binary_search_by_key(&life, |(life, _)| *life);
-        let error = |j: usize| within.map_or(worn[j].error, |k| self.within[k].1[j]);
-        let wear = value(&|j| worn[j].worn.with(&error(j), |worn, error| worn + error)) - now;
+        let error = |j: usize| within.map_or(worn[j][1], |k| self.within[k].1[j]);
+        let wear = value(&|j| worn[j][0].with(&error(j), |worn, error| worn + error)) - now;
         let rates =
-            value(&|j| worn[j].worn.with(&self.relative_rate_errors(j, life), |worn, share| worn * share));
+            value(&|j| worn[j][0].with(&self.relative_rate_errors(j, life), |worn, share| worn * share));
         (libm::hypot(wear, rates), now)
     }
 
@@ -215,9 +210,7 @@ mod tests {
 
     fn estimate(conditions: Vec<MotionEstimate>) -> ErrorEstimate {
         let bore = |depth| WornAmounts { depths: [[depth, 0.0], [0.0; 2]], volume: 0.0 };
-        let worn = [(10.0, 0.1), (9.0, 1.3)]
-            .map(|(depth, error)| WornJoint { worn: bore(depth), error: bore(error) })
-            .to_vec();
+        let worn = [(10.0, 0.1), (9.0, 1.3)].map(|(depth, error)| [bore(depth), bore(error)]).to_vec();
         ErrorEstimate { conditions, lives: vec![0, 100], worn: vec![vec![], worn], within: vec![] }
     }
 

@@ -8,6 +8,9 @@ use crate::wear::{WearStep, WearStepFailed};
 use common::failure::SimulationFailure;
 use common::scene::{Attachment, ContactLaw, Joint, JointKind, OutputKind, Scene};
 
+/// A result of a simulation, or what ended it.
+pub(crate) type Simulated<T> = Result<T, SimulationFailure>;
+
 /// Largest depth and thickness of the wall of a joint of the scene [m], if the depth has reached the thickness: of the first surface, a
 /// bushing's wall, of the second one, half the height of a slider.
 pub(super) fn worn_through(scene: &Scene, joint: usize, [first, second]: [&[f64]; 2]) -> Option<(f64, f64)> {
@@ -81,7 +84,7 @@ fn frame(scene: &Scene, pose: &Pose, place: &Attachment) -> Option<Frame> {
         (Some(q), Some(v)) => Some(Frame::free(&q, &v)),
         _ => {
             let motion = Prescribed::from_body(&scene.bodies[place.body])?;
-            Some(Frame::turning(motion.position(), &motion.jet(pose.time)))
+            Some(Frame::turning(motion.position, &motion.jet(pose.time)))
         }
     }
 }
@@ -91,14 +94,10 @@ fn frame(scene: &Scene, pose: &Pose, place: &Attachment) -> Option<Frame> {
 ///
 /// # Errors
 /// [`SimulationFailure::NotModelled`] with the output.
-pub(crate) fn refuse_unbounded_forces(
-    scene: &Scene,
-    island: &Island,
-    passages: u64,
-) -> Result<(), SimulationFailure> {
+pub(crate) fn refuse_unbounded_forces(scene: &Scene, island: &Island, passages: u64) -> Simulated<()> {
     let reads = |kind: &OutputKind| match kind {
         OutputKind::PeakJointForce { joints } => {
-            island.constraints().iter().any(|c| joints.contains(&c.scene_joint))
+            island.ideal.constraints.iter().any(|c| joints.contains(&c.scene_joint))
         }
         OutputKind::DrivingTorque { body } => island.touched.contains(body),
         _ => false,
@@ -126,7 +125,7 @@ pub(crate) fn failure(
     };
     // Without contact the friction of ideal joints may be what makes steps short.
     let rubbing = || {
-        let joint = island.constraints().iter().find(|c| c.friction.is_some())?;
+        let joint = island.ideal.constraints.iter().find(|c| c.friction.is_some())?;
         Some(scene.joints[joint.scene_joint].name.clone())
     };
     match error {
@@ -154,7 +153,7 @@ pub(crate) fn failure(
             SimulationFailure::Branching { cycle, time, joint: scene.joints[joint].name.clone() }
         }
         IntegrationError::SelfLocking { time, joint } => {
-            let joint = scene.joints[island.constraints()[joint].scene_joint].name.clone();
+            let joint = scene.joints[island.ideal.constraints[joint].scene_joint].name.clone();
             SimulationFailure::SelfLocking { cycle, time, joint }
         }
         IntegrationError::NotFinite(time) => {

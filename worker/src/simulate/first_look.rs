@@ -2,19 +2,16 @@
 
 use super::blocks::simulated_lives;
 use super::conditions::condition_scenes;
-use super::control_points::{ContactArc, contact_arcs, with_control_points};
+use super::control_points::contact_arcs;
 use super::island_state::IslandState;
 use super::longer_steps::{difference, is_long_enough, longer};
 use super::probe::{FINER, is_probed};
 use super::quasi_static::is_measured;
-use super::run::Run;
 use super::several_cycles::MOTIONS;
-use super::side_by_side::{LaneQueue, run_alone};
-use super::turn_period::with_period_of_turn;
+use super::{ContactArc, LaneQueue, Run, Simulated, run_alone, with_control_points, with_period_of_turn};
 use crate::mechanism::Island;
 use crate::quasi_static::Unsuitable;
 use common::accuracy::Accuracy;
-use common::failure::SimulationFailure;
 use common::scene::Scene;
 use std::ops::Range;
 use std::time::{Duration, Instant};
@@ -36,13 +33,13 @@ pub struct IslandModel {
 
 impl IslandModel {
     fn new(scene: &Scene, island: &Island) -> Self {
-        let ideal_joints = island.constraints().iter().map(|c| scene.joints[c.scene_joint].name.clone());
+        let ideal_joints = island.ideal.constraints.iter().map(|c| scene.joints[c.scene_joint].name.clone());
         IslandModel {
             bodies: island.bodies.iter().map(|&b| scene.bodies[b].name.clone()).collect(),
             contacts: island.contacts().map(|joint| scene.joints[joint].name.clone()).collect(),
             ideal_joints: ideal_joints.collect(),
             unknowns: island.coordinates(),
-            constraints: island.constraint_rows(),
+            constraints: island.ideal.rows,
         }
     }
 }
@@ -77,7 +74,7 @@ pub struct FirstLook {
 ///
 /// # Errors
 /// [`SimulationFailure`] as in an evaluation.
-pub fn first_look(scene: &Scene, accuracy: &Accuracy) -> Result<FirstLook, SimulationFailure> {
+pub fn first_look(scene: &Scene, accuracy: &Accuracy) -> Simulated<FirstLook> {
     let timed = run_alone(|queue| async move { with_period_of_turn(&queue, scene, accuracy).await })?;
     let scene = timed.as_ref().unwrap_or(scene);
     let numbered = run_alone(|queue| async move { with_control_points(&queue, scene).await })?;
@@ -105,19 +102,13 @@ impl FirstLook {
 }
 
 /// Result of a stage, and the time it took.
-async fn timed<T>(
-    stage: impl Future<Output = Result<T, SimulationFailure>>,
-) -> Result<(T, Duration), SimulationFailure> {
+async fn timed<T>(stage: impl Future<Output = Simulated<T>>) -> Simulated<(T, Duration)> {
     let begun = Instant::now();
     let result = stage.await?;
     Ok((result, begun.elapsed()))
 }
 
-async fn examine(
-    queue: LaneQueue,
-    scene: &Scene,
-    accuracy: &Accuracy,
-) -> Result<FirstLook, SimulationFailure> {
+async fn examine(queue: LaneQueue, scene: &Scene, accuracy: &Accuracy) -> Simulated<FirstLook> {
     let begun = Instant::now();
     let mut run = Run::assemble(queue, scene, accuracy)?;
     let islands = run.islands.iter().map(|state| IslandModel::new(scene, &state.island)).collect();

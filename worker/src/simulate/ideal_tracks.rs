@@ -1,6 +1,7 @@
 //! What outputs need of the mechanism with ideal joints, from its poses over a cycle: motion of points and bodies, and the influence of
 //! small gaps in the joints.
 
+use super::failures::Simulated;
 use crate::mechanism::{Frame, Influence, Pose, held_poses, influences};
 use crate::outputs::{BodyTrack, IdealTracks, PointTrack, RecordingRequest, SoughtBacklash};
 use common::failure::SimulationFailure;
@@ -16,7 +17,7 @@ pub(crate) fn ideal_tracks(
     poses: &[Pose],
     requested: &RecordingRequest,
     iterations: &mut u64,
-) -> Result<IdealTracks, SimulationFailure> {
+) -> Simulated<IdealTracks> {
     let path = |at: &Attachment| (*at, ideal_path(scene, poses, at));
     let mut influences = Vec::with_capacity(requested.backlashes.len());
     for sought in &requested.backlashes {
@@ -35,7 +36,7 @@ fn influences_on(
     scene: &Scene,
     poses: &[Pose],
     iterations: &mut u64,
-) -> Result<Vec<Influence>, SimulationFailure> {
+) -> Simulated<Vec<Influence>> {
     let not_modelled = |what: String| SimulationFailure::NotModelled { what };
     let at_rest;
     let poses = match &sought.held {

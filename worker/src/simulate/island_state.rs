@@ -15,23 +15,11 @@ const SMALLEST_STEP: f64 = 1e-12;
 /// mechanisms with light bodies need about 0.06 while the journals settle.
 const SMALLEST_PHASE: f64 = 1e-6;
 
-/// Times of a measured cycle, which starts at zero.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CycleSpan {
-    /// Length of the cycle [s].
-    pub period: f64,
-    /// Time of the state from which the warm-up of the next cycle starts, at the same phase [s].
-    pub kept: f64,
-}
-
-impl CycleSpan {
-    /// The cycle of a scene, with the warm-up of this accuracy.
-    pub(crate) fn new(scene: &Scene, accuracy: &Accuracy) -> Self {
-        let period = scene.life.period;
-        let warm_up = accuracy.warm_up;
-        let kept = if warm_up < 1.0 { 1.0 - warm_up } else { (-warm_up).rem_euclid(1.0) };
-        CycleSpan { period, kept: kept * period }
-    }
+/// Time of the state in a cycle from which the warm-up of the next one starts with this accuracy, at the same phase [s].
+pub(crate) fn kept_time(scene: &Scene, accuracy: &Accuracy) -> f64 {
+    let warm_up = accuracy.warm_up;
+    let kept = if warm_up < 1.0 { 1.0 - warm_up } else { (-warm_up).rem_euclid(1.0) };
+    kept * scene.life.period
 }
 
 /// An island with its state, its stepper and recorder, and the wear of its joints.
@@ -61,7 +49,7 @@ pub struct IslandState {
     pub steps: Vec<WearStep>,
     /// Each pair with more control points, for the error of the wear `(pairs,)`.
     pub finer: Vec<FinerBore<WearRate>>,
-    /// Each pair with twice as many again, if the motion is compared on them (`finer_surfaces.rs`), else empty `(pairs,)`.
+    /// Each pair with twice as many again, if the motion is compared on them (`partial_life.rs`), else empty `(pairs,)`.
     pub finest: Vec<FinerBore<WearRate>>,
     /// Wear depth of each pair at the control points of its first surface, then of the second if that wears `(pairs, depths)` [m].
     pub depth: Vec<Vec<f64>>,
@@ -97,30 +85,19 @@ impl StateSnapshot {
     }
 }
 
-/// Where the ideal mechanism has the bodies at the start, and how often they turn.
-pub struct IslandStart<'a> {
-    /// Positions and velocities of the bodies.
-    pub pose: &'a Pose,
-    /// Whole turns of every body of the scene per cycle `(bodies,)` [1].
-    pub turns: &'a [f64],
-}
-
 /// Stepper of an island for a cycle at another accuracy, and the contact histories of that cycle.
-pub struct CycleTools {
-    stepper: Stepper,
-    histories: Vec<WearHistory>,
-}
+pub type CycleTools = (Stepper, Vec<WearHistory>);
 
 impl IslandState {
-    /// Starts the island from `start`, where the ideal mechanism has it; its recorder records what is `requested`.
+    /// Starts the island where the ideal mechanism has its bodies in `pose`, with their whole `turns` per cycle `(bodies,)` [1]; its recorder
+    /// records what is `requested`.
     pub(crate) fn new(
         island: Island,
-        start: &IslandStart,
+        (pose, turns): (&Pose, &[f64]),
         scene: &Scene,
         requested: &RecordingRequest,
         accuracy: &Accuracy,
     ) -> Self {
-        let IslandStart { pose, turns } = start;
         let pick = |from: &[Option<[f64; 3]>]| -> Vec<f64> {
             island.bodies.iter().flat_map(|&b| from[b].unwrap_or_default()).collect()
         };
@@ -161,14 +138,9 @@ impl IslandState {
         self.restore(self.cycle_start.clone());
     }
 
-    /// Keeps the present state as the start of the cycle measured last.
-    pub(crate) fn keep_cycle_start(&mut self) {
-        self.cycle_start = StateSnapshot::new(&self.island, self.time, &self.q, &self.v);
-    }
-
-    /// Keeps the present state as the one from which the next warm-up starts.
-    pub(crate) fn keep_warm_up_start(&mut self) {
-        self.warm_up_start = StateSnapshot::new(&self.island, self.time, &self.q, &self.v);
+    /// The present state, to return to.
+    pub(crate) fn snapshot(&self) -> StateSnapshot {
+        StateSnapshot::new(&self.island, self.time, &self.q, &self.v)
     }
 
     /// Takes the present state for that at `time` [s] of another cycle of `period` [s]: each angle loses the turns in between, as
@@ -195,13 +167,13 @@ impl IslandState {
     pub(crate) fn tools_for(&self, period: f64, accuracy: &Accuracy) -> CycleTools {
         let mut histories = self.recorder.histories.clone();
         histories.iter_mut().for_each(WearHistory::clear);
-        CycleTools { stepper: stepper(&self.island, period, accuracy), histories }
+        (stepper(&self.island, period, accuracy), histories)
     }
 
     /// Exchanges stepper and contact histories with `tools`. The motion of the next cycle is recorded over that of the last one.
     pub(crate) fn exchange_tools(&mut self, tools: &mut CycleTools) {
-        std::mem::swap(&mut self.stepper, &mut tools.stepper);
-        std::mem::swap(&mut self.recorder.histories, &mut tools.histories);
+        std::mem::swap(&mut self.stepper, &mut tools.0);
+        std::mem::swap(&mut self.recorder.histories, &mut tools.1);
     }
 }
 

@@ -40,8 +40,7 @@ use super::compared_islands::{ComparedCycles, any_of, responsible};
 use super::motion_estimate::MeasuredLives;
 use super::partial_life::{ConditionLife, CycleModel, PartialLife};
 use super::probe::{FINER, Probe, is_probed};
-use super::run::Run;
-use super::side_by_side::join;
+use super::{Run, join};
 use common::accuracy::{Accuracy, Tier};
 
 /// Largest tolerance of the local error of longer steps [1], some four steps a period of the contact vibration.

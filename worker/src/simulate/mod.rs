@@ -16,21 +16,19 @@
 //! | `run.rs` | the stages: settle, measure a cycle, wear a block, warm up |
 //! | `life_in_blocks.rs`, `partial_life.rs` | a life block by block; a life as far as it has been simulated |
 //! | `blocks.rs` | the ends of the blocks; the outputs over a life |
-//! | `no_wear.rs`, `quasi_static.rs`, `quasi_static_island.rs` | lives without wear; wear by the quasi-static model |
-//! | `conditions.rs` | several operating conditions on the same bores |
+//! | `life_in_blocks.rs`, `quasi_static.rs`, `quasi_static_island.rs` | lives without wear; wear by the quasi-static model |
 //! | `longer_steps.rs`, `compared_islands.rs` | longer time steps while they make no difference, and which islands make one |
 //! | `probe.rs`, `motion_estimate.rs`, `error_estimate.rs` | probes of a measured cycle, and the stated error |
-//! | `finer_surfaces.rs`, `finer_cycles.rs` | the motion on surfaces with more control points; the error that follows from it |
+//! | `partial_life.rs`, `probe.rs` | the motion on surfaces with more control points; the error that follows from it |
 //! | `settling.rs`, `repetition.rs` | further cycles until the motion repeats itself; how it does |
-//! | `turn_period.rs` | the period of a cycle that is one turn of a free body |
+//! | `turn_period.rs` | the period of a cycle that is one turn of a free body; several operating conditions on the same bores |
 //! | `several_cycles.rs` | means over cycles of a motion that does not repeat |
-//! | `cycle_history.rs`, `finish.rs` | outputs and history of a cycle; the result |
+//! | `cycle_history.rs` | outputs and history of a cycle; the result |
 //! | `island_state.rs`, `worn_joints.rs` | an island with its state, stepper, recorder and wear; the wear of all joints, and their grooves |
 //! | `failures.rs` | what ends an evaluation |
 //! | `side_by_side/` | several evaluations in the SIMD lanes of one core |
 //! | `control_points.rs` | arcs of the contacts in the first cycle; the number of control points by them |
-//! | `program_cycles.rs` | a life whose cycles another program simulates |
-//! | `one_cycle.rs` | one cycle on given surfaces, for others that wear them |
+//! | `program_cycles.rs` | a life whose cycles another program simulates; one cycle on given surfaces, for others that wear them |
 //! | `first_look.rs` | model and cost of an evaluation beforehand |
 
 mod blocks;
@@ -40,17 +38,12 @@ mod control_points;
 mod cycle_history;
 mod error_estimate;
 mod failures;
-mod finer_cycles;
-mod finer_surfaces;
-mod finish;
 mod first_look;
 mod ideal_tracks;
 mod island_state;
 mod life_in_blocks;
 mod longer_steps;
 mod motion_estimate;
-mod no_wear;
-mod one_cycle;
 mod partial_life;
 mod probe;
 mod program_cycles;
@@ -67,13 +60,12 @@ mod worn_joints;
 use crate::mechanism::moved_to_origin;
 use blocks::LifeHistory;
 use common::accuracy::Accuracy;
-use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 use common::scene::Scene;
 use conditions::assemble;
 use control_points::{NumberedScene, with_control_points, with_more_points};
-use cycle_history::FirstCycle;
-use finish::finish;
+use cycle_history::{FirstCycle, finish};
+use failures::Simulated;
 use life_in_blocks::{DynamicCycles, SingleCycle, simulate_life};
 use quasi_static::try_quasi_static;
 use run::{Run, WornDisplay};
@@ -85,8 +77,7 @@ use turn_period::with_period_of_turn;
 pub use crate::quasi_static::Unsuitable;
 pub use control_points::ContactArc;
 pub use first_look::{FirstLook, IslandModel, first_look};
-pub use one_cycle::{ServedCycle, simulate_one_cycle};
-pub use program_cycles::{CycleError, simulate_program_life};
+pub use program_cycles::{CycleError, ServedCycle, simulate_one_cycle, simulate_program_life};
 pub use side_by_side::LaneWidth;
 
 /// What an evaluation returns besides its outputs; nothing by default.
@@ -106,11 +97,7 @@ impl SimulateOptions {
 ///
 /// # Errors
 /// [`SimulationFailure`]: the failure of the physics or the numerics, with time, cycle and joint.
-pub fn simulate(
-    scene: &Scene,
-    accuracy: &Accuracy,
-    options: SimulateOptions,
-) -> Result<Evaluation, SimulationFailure> {
+pub fn simulate(scene: &Scene, accuracy: &Accuracy, options: SimulateOptions) -> Simulated<Evaluation> {
     simulate_counted(scene, accuracy, options).result
 }
 
@@ -118,7 +105,7 @@ pub fn simulate(
 #[derive(Debug, Clone, PartialEq)]
 pub struct CountedEvaluation {
     /// The evaluation, or its failure.
-    pub result: Result<Evaluation, SimulationFailure>,
+    pub result: Simulated<Evaluation>,
     /// Number of time steps tried, accepted and refused, also those before a failure.
     pub steps_tried: u64,
 }
@@ -147,8 +134,8 @@ pub struct SimulationInput {
 pub fn simulate_side_by_side(
     width: LaneWidth,
     most: usize,
-    next: &mut dyn FnMut() -> Option<Result<SimulationInput, SimulationFailure>>,
-    done: &mut dyn FnMut(usize, Result<Evaluation, SimulationFailure>, Duration),
+    next: &mut dyn FnMut() -> Option<Simulated<SimulationInput>>,
+    done: &mut dyn FnMut(usize, Simulated<Evaluation>, Duration),
 ) {
     let queue = LaneQueue::default();
     let mut next_evaluation = || {
@@ -168,44 +155,38 @@ async fn simulate_stages(
     accuracy: &Accuracy,
     options: SimulateOptions,
 ) -> CountedEvaluation {
-    let failed = |failure| CountedEvaluation { result: Err(failure), steps_tried: 0 };
-    let timed = match with_period_of_turn(&queue, scene, accuracy).await {
-        Ok(timed) => timed,
-        Err(failure) => return failed(failure),
+    let mut steps_tried = 0;
+    let stages = async {
+        let timed = with_period_of_turn(&queue, scene, accuracy).await?;
+        let scene = timed.as_ref().unwrap_or(scene);
+        // Coordinates from a point of the mechanism: far from it they would round away what small motions are.
+        let local = moved_to_origin(scene);
+        let scene = local.as_ref().map_or(scene, |(local, _)| local);
+        let numbered = with_control_points(&queue, scene).await?;
+        let scene = numbered.as_ref().map_or(scene, |numbered| &numbered.scene);
+        let finer = with_more_points(scene, accuracy.points);
+        let scene = finer.as_ref().unwrap_or(scene);
+        let mut runs = assemble(&queue, scene, accuracy)?;
+        if let Some(NumberedScene { counts, cycles, .. }) = &numbered {
+            runs[0].counts.add(counts);
+            runs[0].simulated += cycles;
+        }
+        runs.iter_mut().for_each(|run| run.display = options.first_cycle.then(WornDisplay::default));
+        if !scene.control_points_of_model || options.first_cycle {
+            runs[0].start_comparing_finer();
+        }
+        let mut result = evaluate(&mut runs).await;
+        if let (Ok(evaluation), Some((_, origin))) = (&mut result, &local) {
+            evaluation.move_histories(*origin);
+        }
+        steps_tried = runs.iter().map(|run| run.counts.steps + run.counts.rejected).sum();
+        result
     };
-    let scene = timed.as_ref().unwrap_or(scene);
-    // Coordinates from a point of the mechanism: far from it they would round away what small motions are.
-    let local = moved_to_origin(scene);
-    let scene = local.as_ref().map_or(scene, |(local, _)| local);
-    let numbered = match with_control_points(&queue, scene).await {
-        Ok(numbered) => numbered,
-        Err(failure) => return failed(failure),
-    };
-    let scene = numbered.as_ref().map_or(scene, |numbered| &numbered.scene);
-    let finer = with_more_points(scene, accuracy.points);
-    let scene = finer.as_ref().unwrap_or(scene);
-    let mut runs = match assemble(&queue, scene, accuracy) {
-        Ok(runs) => runs,
-        Err(failure) => return failed(failure),
-    };
-    if let Some(NumberedScene { counts, cycles, .. }) = &numbered {
-        runs[0].counts.add(counts);
-        runs[0].simulated += cycles;
-    }
-    runs.iter_mut().for_each(|run| run.display = options.first_cycle.then(WornDisplay::default));
-    if !scene.control_points_of_model || options.first_cycle {
-        runs[0].start_comparing_finer();
-    }
-    let mut result = evaluate(&mut runs).await;
-    if let (Ok(evaluation), Some((_, origin))) = (&mut result, &local) {
-        evaluation.move_histories(*origin);
-    }
-    let steps_tried = runs.iter().map(|run| run.counts.steps + run.counts.rejected).sum();
-    CountedEvaluation { result, steps_tried }
+    CountedEvaluation { result: stages.await, steps_tried }
 }
 
 /// The stages of an evaluation, each under every operating condition.
-async fn evaluate(runs: &mut [Run<'_>]) -> Result<Evaluation, SimulationFailure> {
+async fn evaluate(runs: &mut [Run<'_>]) -> Simulated<Evaluation> {
     let first = join(runs.iter_mut().map(measure_first)).await.into_iter().collect::<Result<Vec<_>, _>>()?;
     let Some(first) = FirstCycle::of_conditions(first) else { unreachable!("at least one condition") };
     let scene = runs[0].scene;
@@ -223,7 +204,7 @@ async fn evaluate(runs: &mut [Run<'_>]) -> Result<Evaluation, SimulationFailure>
 }
 
 /// Settles the mechanism under one condition and measures its first cycle; its share of the cycles [1] with the summary.
-async fn measure_first(run: &mut Run<'_>) -> Result<(f64, FirstCycle), SimulationFailure> {
+async fn measure_first(run: &mut Run<'_>) -> Simulated<(f64, FirstCycle)> {
     run.settle().await?;
     run.start_full_recording();
     run.measure_first().await?;

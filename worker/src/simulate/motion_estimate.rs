@@ -1,8 +1,7 @@
 //! What the cycles simulated under one operating condition show of the error of an evaluation (`error_estimate.rs`): probes, the spread
 //! of several motions, and what the quasi-static model was off by.
 
-use super::finer_cycles::FinerCycles;
-use super::probe::Probe;
+use super::probe::{FinerCycles, Probe};
 use super::repetition::Repetition;
 use super::run::Run;
 use super::several_cycles::{CycleSpread, MOTIONS, mean_and_variance};

@@ -15,21 +15,21 @@
 //! # Source
 //! The loop: Cui et al., China Mechanical Engineering 37(6), 2026, 1472-1485, doi 10.3969/j.issn.1004-132X.2026.06.020, with a multibody
 //! program for the cycles.
+//!
+//! # One cycle
+//! One cycle of a mechanism on given surfaces, with the contacts of every time step: the built-in mechanics for a program that wears the
+//! surfaces itself.
 
 use super::conditions::condition_scenes;
-use super::cycle_history::FirstCycle;
-use super::finish::finish;
-use super::island_state::{IslandStart, IslandState};
-use super::life_in_blocks::simulate_life;
+use super::island_state::IslandState;
 use super::partial_life::CycleModel;
-use super::run::Run;
-use super::side_by_side::run_alone;
+use super::{FirstCycle, LaneQueue, Run, Simulated, assemble, finish, run_alone, simulate_life};
 use crate::contact::{JointForce, equivalent_penetration};
-use crate::mechanism::{Pose, WearingJoint, WearingPair, island_of_program};
+use crate::mechanism::{Pose, WearingJoint, WearingPair, island_of_program, moved_to_origin};
 use crate::outputs::RecordingRequest;
 use crate::plane::length;
 use crate::wear::{ContactHistory, ContactInstant};
-use common::accuracy::NamedAccuracy;
+use common::accuracy::{Accuracy, NamedAccuracy};
 use common::external::{CycleReply, CycleRequest, CyclesOfLife, JointCycle, SlotError, WornRadii};
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
@@ -68,9 +68,9 @@ pub fn simulate_program_life(
         let scene: &Scene = scene;
         let nothing = vec![None; scene.bodies.len()];
         let pose = Pose { time: 0.0, q: nothing.clone(), v: nothing };
-        let start = IslandStart { pose: &pose, turns: &vec![0.0; scene.bodies.len()] };
+        let turns = vec![0.0; scene.bodies.len()];
         let island = island_of_program(scene);
-        let state = IslandState::new(island, &start, scene, &RecordingRequest::default(), accuracy);
+        let state = IslandState::new(island, (&pose, &turns), scene, &RecordingRequest::default(), accuracy);
         let mut run = Run::of_islands(queue, scene, accuracy, vec![state]);
         run.share = share;
         run
@@ -214,7 +214,7 @@ fn radii(scene: &Scene, state: &IslandState) -> BTreeMap<String, WornRadii> {
     let of_joint = |(joint, depth): (&WearingJoint, &Vec<f64>)| {
         let (bore, of_journal) = depth.split_at(joint.first_depths());
         let unworn = joint.contact.surface().journal_radius;
-        let bushing = bore.iter().map(|depth| joint.profile.initial_radius() + depth).collect();
+        let bushing = bore.iter().map(|depth| joint.profile.initial_radius + depth).collect();
         let mut journal: Vec<f64> = of_journal.iter().map(|depth| unworn - depth).collect();
         journal.resize(bore.len(), unworn);
         (scene.joints[joint.scene_joint].name.clone(), WornRadii { bushing, journal })
@@ -250,4 +250,78 @@ fn record(joint: &WearingJoint, cycle: &JointCycle, history: &mut ContactHistory
         history.push(weight(&cycle.time, k), &at);
     }
     history.close_interval();
+}
+
+/// A cycle of a mechanism.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ServedCycle {
+    /// Contacts of every joint with clearance, by its name.
+    pub joints: BTreeMap<String, JointCycle>,
+    /// Outputs of the scene, zero for those of the wear `(outputs,)` [SI].
+    pub outputs: Vec<f64>,
+}
+
+/// Simulates the settled cycle of a scene whose joints of these names are worn to `depths` at their control points, the bore's and then those
+/// of a journal that wears `(depths,)` [m].
+///
+/// # Errors
+/// [`SimulationFailure`]; [`SimulationFailure::NotModelled`] for another number of depths than the joint has.
+pub fn simulate_one_cycle(
+    scene: &Scene,
+    accuracy: &Accuracy,
+    depths: &BTreeMap<String, Vec<f64>>,
+) -> Simulated<ServedCycle> {
+    let local = moved_to_origin(scene);
+    let scene = local.as_ref().map_or(scene, |(local, _)| local);
+    run_alone(|queue| on_surfaces(queue, scene, accuracy, depths))
+}
+
+async fn on_surfaces(
+    queue: LaneQueue,
+    scene: &Scene,
+    accuracy: &Accuracy,
+    depths: &BTreeMap<String, Vec<f64>>,
+) -> Simulated<ServedCycle> {
+    let mut runs = assemble(&queue, scene, accuracy)?;
+    let [run] = &mut runs[..] else {
+        let what = "several operating conditions in one cycle".to_owned();
+        return Err(SimulationFailure::NotModelled { what });
+    };
+    for state in &mut run.islands {
+        for (pair, worn) in state.island.pairs_mut().zip(&mut state.depth) {
+            let name = &scene.joints[pair.scene_joint()].name;
+            let Some(depth) = depths.get(name) else { continue };
+            if depth.len() != worn.len() {
+                let what = format!("{} depths of joint {name}, which has {}", depth.len(), worn.len());
+                return Err(SimulationFailure::NotModelled { what });
+            }
+            worn.clone_from(depth);
+            pair.set_depth(depth);
+        }
+        state.recorder.traced = Some(vec![]);
+    }
+    run.settle().await?;
+    run.measure_first().await?;
+    run.next_settled_cycle().await?;
+    Ok(ServedCycle { joints: traced(run), outputs: run.measured.clone() })
+}
+
+/// The contacts of the cycle measured last.
+fn traced(run: &Run) -> BTreeMap<String, JointCycle> {
+    let mut joints = BTreeMap::new();
+    for state in &run.islands {
+        for (k, joint) in state.island.joints.iter().enumerate() {
+            let traced = state.recorder.traced.iter().flatten();
+            let at = || traced.clone().map(|(_, contacts)| &contacts[k]);
+            let cycle = JointCycle {
+                time: traced.clone().map(|(time, _)| *time).collect(),
+                force: at().map(|contact| contact.force()).collect(),
+                sliding: at().map(|contact| contact.sliding()).collect(),
+                angle: Some(at().map(|contact| contact.turn).collect()),
+                eccentricity: Some(at().map(|contact| contact.e).collect()),
+            };
+            joints.insert(run.scene.joints[joint.scene_joint].name.clone(), cycle);
+        }
+    }
+    joints
 }

@@ -4,14 +4,12 @@
 //! Outputs of the motion come from dynamic cycles at a few lives, on the bores worn so far, where the wear rates are compared too.
 //! That needs a contact law that conserves energy: under another one vibrations may grow as the bores wear, from one cycle to the next.
 
-use super::blocks::LifeHistory;
-use super::island_state::CycleSpan;
-use super::life_in_blocks::simulate_life;
+use super::island_state::kept_time;
 use super::motion_estimate::{MeasuredLives, MotionEstimate, largest_bend};
 use super::partial_life::CycleModel;
 use super::probe::{Probe, SURFACES, contains_one_of, is_probed};
 use super::quasi_static_island::QuasiStaticIsland;
-use super::run::Run;
+use super::{LifeHistory, Run, simulate_life};
 use crate::contact::Contact;
 use crate::integrate::StepCounts;
 use crate::mechanism::ideal_cycle;
@@ -168,10 +166,11 @@ impl Run<'_> {
     /// # Errors
     /// [`Unsuitable`] if the gaps cannot be integrated.
     pub(crate) fn quasi_static_cycle(&mut self) -> Result<(), Unsuitable> {
-        let cycle = CycleSpan::new(self.scene, self.accuracy);
+        let (kept, period) = (kept_time(self.scene, self.accuracy), self.scene.life.period);
         let mut counts = StepCounts::default();
         let mut islands = self.islands.iter_mut().zip(&mut self.quasi_static);
-        let done = islands.try_for_each(|(state, island)| island.run_cycle(state, &cycle, &mut counts));
+        let done =
+            islands.try_for_each(|(state, island)| island.run_cycle(state, (kept, period), &mut counts));
         self.counts.add(&counts);
         // Each evaluation of the force is one iteration of Newton's method.
         self.newton += counts.forces;

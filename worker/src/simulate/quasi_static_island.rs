@@ -1,6 +1,6 @@
 //! One island on its ideal motion: the gaps of its joints through a cycle, recorded for the wear.
 
-use super::island_state::{CycleSpan, IslandState, StateSnapshot};
+use super::island_state::{IslandState, StateSnapshot};
 use crate::integrate::{StepControl, StepCounts};
 use crate::mechanism::Island;
 use crate::outputs::{Recorder, RecordingRequest};
@@ -37,32 +37,32 @@ impl QuasiStaticIsland {
         let control = StepControl::new(STEP_TOLERANCE, largest, smallest, accuracy.steps_bound);
         let samples = (1.0 / LARGEST_STEP) as usize;
         QuasiStaticIsland {
-            start: vec![0.0; ideal.coordinates()],
+            start: vec![0.0; ideal.n],
             stepper: QuasiStaticStepper::new(ideal, island.linearised(), control),
             recorder: Recorder::new(island, scene, &RecordingRequest::default(), samples),
         }
     }
 
     /// Runs the gaps up on the bores as they are, then a recorded cycle. Keeps the state from which the next run-up starts, also
-    /// as the start of the next warm-up of the dynamics in `state`. Adds the work to `counts`.
+    /// as the start of the next warm-up of the dynamics in `state`; the cycle has this `period`, and that state the time `kept` [s]. Adds the work to `counts`.
     ///
     /// # Errors
     /// [`Unsuitable`] if the gaps cannot be integrated.
     pub(crate) fn run_cycle(
         &mut self,
         state: &mut IslandState,
-        cycle: &CycleSpan,
+        (kept, period): (f64, f64),
         counts: &mut StepCounts,
     ) -> Result<(), Unsuitable> {
         let QuasiStaticIsland { stepper, recorder, start } = self;
-        stepper.start(&mut state.island, cycle.kept - cycle.period, start, counts)?;
+        stepper.start(&mut state.island, kept - period, start, counts)?;
         stepper.run(&mut state.island, 0.0, &mut (), counts)?;
         recorder.clear();
-        stepper.run(&mut state.island, cycle.kept, recorder, counts)?;
-        start.copy_from_slice(stepper.gaps());
-        let (q, v) = stepper.state();
-        state.warm_up_start = StateSnapshot::new(&state.island, cycle.kept, q, v);
-        stepper.run(&mut state.island, cycle.period, recorder, counts)?;
+        stepper.run(&mut state.island, kept, recorder, counts)?;
+        start.copy_from_slice(&stepper.solver.past[0]);
+        let (q, v) = (&stepper.solver.q, &stepper.solver.v);
+        state.warm_up_start = StateSnapshot::new(&state.island, kept, q, v);
+        stepper.run(&mut state.island, period, recorder, counts)?;
         recorder.finish();
         Ok(())
     }

@@ -48,53 +48,45 @@ const ROUNDING: f64 = 1e-9;
 /// Ratio of successive changes above which they count as not decaying [1].
 pub(super) const NOT_DECAYING: f64 = 0.98;
 
-/// States of an island at the starts of successive cycles.
-pub struct StateSequence {
-    /// States `(k, 2 n)` [1], angles without whole turns.
-    pub states: Vec<Vec<f64>>,
+/// Change from one of the `states` of an island at the starts of successive cycles `(k, 2 n)` [1], angles without whole turns, to the next one `(2 n,)` [1].
+fn change(states: &[Vec<f64>], k: usize) -> DVector<f64> {
+    let (now, next) = (&states[k], &states[k + 1]);
+    DVector::from_iterator(now.len(), next.iter().zip(now).map(|(next, now)| next - now))
 }
 
-impl StateSequence {
-    /// Change from state `k` to the next one `(2 n,)` [1].
-    fn change(&self, k: usize) -> DVector<f64> {
-        let (now, next) = (&self.states[k], &self.states[k + 1]);
-        DVector::from_iterator(now.len(), next.iter().zip(now).map(|(next, now)| next - now))
+/// Sum of the changes of such states still to come `(2 n,)` [1]: the change of the last cycle where it cannot be extrapolated.
+pub(super) fn to_come(states: &[Vec<f64>]) -> Vec<f64> {
+    let n = states.len();
+    let last = change(states, n - 2);
+    let modes = MODES.min(n - 2);
+    if modes == 0 {
+        return last.as_slice().to_vec();
     }
+    let base = n - 2 - modes;
+    let changes: Vec<DVector<f64>> = (base..n - 1).map(|k| change(states, k)).collect();
+    let second: Vec<DVector<f64>> = changes.windows(2).map(|pair| &pair[1] - &pair[0]).collect();
+    let svd = DMatrix::from_columns(&second).svd(true, true);
+    let least = ROUNDING * svd.singular_values.max();
+    let Ok(xi) = svd.solve(&-&changes[0], least.max(f64::MIN_POSITIVE)) else {
+        return last.as_slice().to_vec();
+    };
+    // From the first of these states, less the way from there to the last one.
+    let mut to_come = -changes.iter().sum::<DVector<f64>>();
+    for (xi, change) in xi.iter().zip(&changes) {
+        to_come += change * *xi;
+    }
+    to_come.as_slice().to_vec()
+}
 
-    /// Sum of the changes still to come `(2 n,)` [1]: the change of the last cycle where it cannot be extrapolated.
-    pub(super) fn to_come(&self) -> Vec<f64> {
-        let n = self.states.len();
-        let last = self.change(n - 2);
-        let modes = MODES.min(n - 2);
-        if modes == 0 {
-            return last.as_slice().to_vec();
-        }
-        let base = n - 2 - modes;
-        let changes: Vec<DVector<f64>> = (base..n - 1).map(|k| self.change(k)).collect();
-        let second: Vec<DVector<f64>> = changes.windows(2).map(|pair| &pair[1] - &pair[0]).collect();
-        let svd = DMatrix::from_columns(&second).svd(true, true);
-        let least = ROUNDING * svd.singular_values.max();
-        let Ok(xi) = svd.solve(&-&changes[0], least.max(f64::MIN_POSITIVE)) else {
-            return last.as_slice().to_vec();
-        };
-        // From the first of these states, less the way from there to the last one.
-        let mut to_come = -changes.iter().sum::<DVector<f64>>();
-        for (xi, change) in xi.iter().zip(&changes) {
-            to_come += change * *xi;
-        }
-        to_come.as_slice().to_vec()
+/// Sum of a geometric series over its first term, with the mean ratio of the changes of such states; infinite if they do not decay [1].
+pub(super) fn slowness(states: &[Vec<f64>]) -> f64 {
+    let n = states.len();
+    let size = |k: usize| change(states, k).norm();
+    if n < 3 || size(0) == 0.0 {
+        return 1.0;
     }
-
-    /// Sum of a geometric series over its first term, with the mean ratio of the changes; infinite if they do not decay [1].
-    pub(super) fn slowness(&self) -> f64 {
-        let n = self.states.len();
-        let change = |k: usize| self.change(k).norm();
-        if n < 3 || change(0) == 0.0 {
-            return 1.0;
-        }
-        let ratio = (change(n - 2) / change(0)).powf(1.0 / (n - 2) as f64);
-        if ratio < NOT_DECAYING { 1.0 / (1.0 - ratio) } else { f64::INFINITY }
-    }
+    let ratio = (size(n - 2) / size(0)).powf(1.0 / (n - 2) as f64);
+    if ratio < NOT_DECAYING { 1.0 / (1.0 - ratio) } else { f64::INFINITY }
 }
 
 /// Largest magnitude [1].
@@ -107,7 +99,7 @@ mod tests {
     use super::*;
 
     /// Two vibrations of other frequencies that decay by 0.97 and 0.9 a cycle around (3, -2, 5, 1).
-    fn states(n: usize) -> StateSequence {
+    fn states(n: usize) -> Vec<Vec<f64>> {
         let at = |k: usize| -> Vec<f64> {
             let of = |decay: f64, turn: f64| {
                 let (s, c) = (turn * k as f64).sin_cos();
@@ -116,13 +108,13 @@ mod tests {
             let ((a, b), (c, d)) = (of(0.97, 1.1), of(0.9, 2.3));
             vec![3.0 + a + 0.5 * c, -2.0 + b, 5.0 - c, 1.0 + d + 0.3 * a]
         };
-        StateSequence { states: (0..n).map(at).collect() }
+        (0..n).map(at).collect()
     }
 
     #[test]
     fn two_vibrations_are_extrapolated_to_where_they_end() {
         let sequence = states(7);
-        let ends = sequence.states[6].iter().zip(sequence.to_come()).map(|(state, rest)| state + rest);
+        let ends = sequence[6].iter().zip(to_come(&sequence)).map(|(state, rest)| state + rest);
         for (end, exact) in ends.zip([3.0, -2.0, 5.0, 1.0]) {
             assert!((end - exact).abs() < 1e-9, "{end} for {exact}");
         }
@@ -130,10 +122,10 @@ mod tests {
 
     #[test]
     fn a_geometric_decay_has_the_sum_of_its_series() {
-        let decay = StateSequence { states: (0..5).map(|k| vec![0.8_f64.powi(k)]).collect() };
-        assert!((decay.slowness() - 5.0).abs() < 1e-12);
-        assert!((decay.to_come()[0] + 0.8_f64.powi(4)).abs() < 1e-9);
-        let turning = StateSequence { states: (0..5).map(|k| vec![f64::from(k)]).collect() };
-        assert_eq!(turning.slowness(), f64::INFINITY);
+        let decay: Vec<Vec<f64>> = (0..5).map(|k| vec![0.8_f64.powi(k)]).collect();
+        assert!((slowness(&decay) - 5.0).abs() < 1e-12);
+        assert!((to_come(&decay)[0] + 0.8_f64.powi(4)).abs() < 1e-9);
+        let turning: Vec<Vec<f64>> = (0..5).map(|k| vec![f64::from(k)]).collect();
+        assert_eq!(slowness(&turning), f64::INFINITY);
     }
 }

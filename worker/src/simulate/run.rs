@@ -1,8 +1,8 @@
 //! The stages of an evaluation: settle, measure a cycle, wear a block, warm up.
 
-use super::failures::{failure, refuse_unbounded_forces, wear_failure, worn_through};
+use super::failures::{Simulated, failure, refuse_unbounded_forces, wear_failure, worn_through};
 use super::ideal_tracks::{ideal_tracks, left_open};
-use super::island_state::{CycleSpan, IslandStart, IslandState, StateSnapshot};
+use super::island_state::{IslandState, StateSnapshot, kept_time};
 use super::quasi_static_island::{QuasiStaticIsland, wear_histories};
 use super::repetition::Repetition;
 use super::side_by_side::{Integrated, LaneQueue, Span};
@@ -73,11 +73,7 @@ impl<'a> Run<'a> {
     ///
     /// # Errors
     /// [`SimulationFailure`] if the mechanism cannot be assembled or moved, or an output is not modelled.
-    pub(crate) fn assemble(
-        queue: LaneQueue,
-        scene: &'a Scene,
-        accuracy: &'a Accuracy,
-    ) -> Result<Self, SimulationFailure> {
+    pub(crate) fn assemble(queue: LaneQueue, scene: &'a Scene, accuracy: &'a Accuracy) -> Simulated<Self> {
         let mut newton = 0;
         let mut requested = recording_request(&scene.outputs);
         requested.bodies.extend(scene.life.turn_of);
@@ -96,10 +92,9 @@ impl<'a> Run<'a> {
         }
         let ideal = ideal_tracks(scene, &poses, &requested, &mut newton)?;
         let turns = turns_per_cycle(scene, &poses)?;
-        let start = IslandStart { pose: &poses[0], turns: &turns };
         let islands: Vec<IslandState> = islands
             .into_iter()
-            .map(|island| IslandState::new(island, &start, scene, &requested, accuracy))
+            .map(|island| IslandState::new(island, (&poses[0], &turns), scene, &requested, accuracy))
             .collect();
         let repetition = Repetition { is_determined: poses.len() > 1, ..Repetition::default() };
         Ok(Run { newton, ideal, repetition, ..Run::of_islands(queue, scene, accuracy, islands) })
@@ -140,7 +135,7 @@ impl<'a> Run<'a> {
     ///
     /// # Errors
     /// [`SimulationFailure`] if the integration stops.
-    pub(crate) async fn settling_cycle(&mut self) -> Result<(), SimulationFailure> {
+    pub(crate) async fn settling_cycle(&mut self) -> Simulated<()> {
         self.islands.iter_mut().for_each(|state| state.stepper.control.after_jump());
         self.integrate(-self.scene.life.period..0.0, false).await?;
         self.simulated += 1;
@@ -181,7 +176,7 @@ impl<'a> Run<'a> {
     }
 
     /// Integrates from the state kept of the cycle before, on the profile as it is now, to the start of a cycle.
-    async fn warm_up(&mut self) -> Result<(), SimulationFailure> {
+    async fn warm_up(&mut self) -> Simulated<()> {
         for state in &mut self.islands {
             state.restore(state.warm_up_start.clone());
             state.stepper.control.after_jump();
@@ -209,11 +204,11 @@ impl<'a> Run<'a> {
     ///
     /// # Errors
     /// [`SimulationFailure`] if the integration stops.
-    pub(crate) async fn measure(&mut self) -> Result<(), SimulationFailure> {
-        let CycleSpan { period, kept } = CycleSpan::new(self.scene, self.accuracy);
+    pub(crate) async fn measure(&mut self) -> Simulated<()> {
+        let (period, kept) = (self.scene.life.period, kept_time(self.scene, self.accuracy));
         for state in &mut self.islands {
             state.recorder.clear();
-            state.keep_cycle_start();
+            state.cycle_start = state.snapshot();
         }
         if self.islands.iter().any(|state| state.recorder.full.is_some()) {
             self.start_full_recording();
@@ -221,12 +216,12 @@ impl<'a> Run<'a> {
         if kept > 0.0 {
             self.integrate(0.0..kept, true).await?;
         }
-        self.islands.iter_mut().for_each(IslandState::keep_warm_up_start);
+        self.islands.iter_mut().for_each(|state| state.warm_up_start = state.snapshot());
         self.integrate(kept..period, true).await?;
         for state in &mut self.islands {
             state.recorder.finish();
             if kept == 0.0 {
-                state.keep_warm_up_start();
+                state.warm_up_start = state.snapshot();
             }
         }
         self.measured = self.motion_outputs();
@@ -238,7 +233,7 @@ impl<'a> Run<'a> {
     ///
     /// # Errors
     /// [`SimulationFailure`] if the integration stops.
-    pub(crate) async fn next_cycle(&mut self) -> Result<(), SimulationFailure> {
+    pub(crate) async fn next_cycle(&mut self) -> Simulated<()> {
         self.warm_up().await?;
         self.measure().await
     }
@@ -248,7 +243,7 @@ impl<'a> Run<'a> {
     ///
     /// # Errors
     /// [`SimulationFailure`] if the integration stops.
-    pub(crate) async fn last_cycle(&mut self) -> Result<(), SimulationFailure> {
+    pub(crate) async fn last_cycle(&mut self) -> Simulated<()> {
         if self.display.is_none() {
             return self.next_settled_cycle().await;
         }
@@ -266,7 +261,7 @@ impl<'a> Run<'a> {
     ///
     /// # Errors
     /// [`SimulationFailure`] if the integration stops.
-    pub(crate) async fn further_cycle(&mut self) -> Result<(), SimulationFailure> {
+    pub(crate) async fn further_cycle(&mut self) -> Simulated<()> {
         self.islands.iter_mut().for_each(|state| state.recorder.clear());
         self.integrate(0.0..self.scene.life.period, true).await?;
         self.islands.iter_mut().for_each(|state| state.recorder.finish());
@@ -292,11 +287,7 @@ impl<'a> Run<'a> {
     }
 
     /// Integrates every island over a span of the cycle [s], recording it or not.
-    pub(super) async fn integrate(
-        &mut self,
-        time: Range<f64>,
-        record: bool,
-    ) -> Result<(), SimulationFailure> {
+    pub(super) async fn integrate(&mut self, time: Range<f64>, record: bool) -> Simulated<()> {
         let period = self.scene.life.period;
         let mut islands = std::mem::take(&mut self.islands);
         islands.iter_mut().for_each(|state| state.begin(time.start, period));
@@ -335,7 +326,7 @@ impl<'a> Run<'a> {
         block: Range<u32>,
         checkpoints: &[u32],
         wear: &mut [Vec<f64>],
-    ) -> Result<(), SimulationFailure> {
+    ) -> Simulated<()> {
         let Range { start: from, end: to } = block;
         let marks: Vec<f64> = checkpoints.iter().map(|&c| f64::from(c - from)).collect();
         // Wear at each checkpoint of each joint of the scene `(checkpoints, joints)`.
@@ -354,7 +345,7 @@ impl<'a> Run<'a> {
                 };
                 let length = f64::from(to - from);
                 let within = marks.partition_point(|mark| *mark < length);
-                state.finer[k].mark(&marks[..within]);
+                state.finer[k].next_marks = marks[..within].to_vec();
                 for finer in
                     [&mut state.finer, &mut state.finest].into_iter().filter_map(|all| all.get_mut(k))
                 {

@@ -10,11 +10,10 @@
 
 use super::island_state::IslandState;
 use super::probe::{Probe, SURFACES};
-use super::repetition::{NOT_DECAYING, StateSequence, ToCome, size};
-use super::run::Run;
+use super::repetition::{NOT_DECAYING, ToCome, size, slowness, to_come};
+use super::{Run, Simulated};
 use crate::integrate::Stepped;
 use crate::outputs::{Recorder, is_extreme};
-use common::failure::SimulationFailure;
 use common::outputs::UnsettledMotion;
 use std::f64::consts::{PI, TAU};
 
@@ -118,7 +117,7 @@ impl<'a> Run<'a> {
     ///
     /// # Errors
     /// [`SimulationFailure`] if the integration stops.
-    pub(crate) async fn settle(&mut self) -> Result<(), SimulationFailure> {
+    pub(crate) async fn settle(&mut self) -> Simulated<()> {
         let period = self.scene.life.period;
         for cycle in (1..=self.scene.life.settle_cycles).rev() {
             let start = -f64::from(cycle) * period;
@@ -132,7 +131,7 @@ impl<'a> Run<'a> {
     ///
     /// # Errors
     /// [`SimulationFailure`] if the integration stops.
-    pub(crate) async fn measure_first(&mut self) -> Result<(), SimulationFailure> {
+    pub(crate) async fn measure_first(&mut self) -> Simulated<()> {
         self.measure().await?;
         let change = self.change_over_cycle();
         tracing::debug!("over the first cycle the state changes by {change}");
@@ -161,7 +160,7 @@ impl<'a> Run<'a> {
     }
 
     /// Notes by how much two further cycles differ from the one just measured, and what that leaves to come.
-    async fn state_what_is_to_come(&mut self, rest: &Rest) -> Result<(), SimulationFailure> {
+    async fn state_what_is_to_come(&mut self, rest: &Rest) -> Simulated<()> {
         let mut copy = self.clone();
         copy.begin_count();
         let cycles = [copy.measured_values(0)?, copy.measure_next(0).await?, copy.measure_next(0).await?];
@@ -213,29 +212,29 @@ impl<'a> Run<'a> {
     }
 
     /// Goes on with settling cycles until the motion repeats itself; how far it has come.
-    async fn settle_further(&mut self) -> Result<Rest, SimulationFailure> {
+    async fn settle_further(&mut self) -> Simulated<Rest> {
         let period = self.scene.life.period;
         let tolerance = self.accuracy.step_tolerance;
-        let mut sequences: Vec<StateSequence> = self
+        let mut sequences: Vec<Vec<Vec<f64>>> = self
             .islands
             .iter()
             .map(|state| {
                 let start = state.scaled(state.cycle_start.state(), period);
                 let change = state.change_over_cycle(period);
                 let end = start.iter().zip(&change).map(|(start, change)| start + change).collect();
-                StateSequence { states: vec![start, end] }
+                vec![start, end]
             })
             .collect();
         let mut before = f64::INFINITY;
         let mut rest = Rest { cycles: 0, is_settled: false, slowness: f64::INFINITY };
         loop {
-            let to_come: Vec<Vec<f64>> = sequences.iter().map(StateSequence::to_come).collect();
+            let to_come: Vec<Vec<f64>> = sequences.iter().map(|states| to_come(states)).collect();
             let largest = to_come.iter().map(|x| size(x)).fold(0.0, f64::max);
-            let states = sequences[0].states.len();
+            let states = sequences[0].len();
             tracing::debug!("settling {}: {largest} still to come ({states} states)", rest.cycles);
             rest.is_settled = largest <= tolerance && states > 2;
             if states >= WINDOW && !rest.slowness.is_finite() {
-                rest.slowness = sequences.iter().map(StateSequence::slowness).fold(0.0, f64::max);
+                rest.slowness = sequences.iter().map(|states| slowness(states)).fold(0.0, f64::max);
             }
             if rest.is_settled || rest.cycles >= MOST_FURTHER {
                 break;
@@ -247,7 +246,7 @@ impl<'a> Run<'a> {
                 before = largest;
                 for ((state, sequence), step) in self.islands.iter_mut().zip(&mut sequences).zip(&to_come) {
                     state.shift(step);
-                    sequence.states = vec![state.scaled_state(period)];
+                    *sequence = vec![state.scaled_state(period)];
                 }
                 self.settle_once(&mut sequences).await?;
                 rest.cycles += 1;
@@ -256,21 +255,21 @@ impl<'a> Run<'a> {
             rest.cycles += 1;
         }
         if rest.is_settled && !rest.slowness.is_finite() {
-            rest.slowness = sequences.iter().map(StateSequence::slowness).fold(0.0, f64::max);
+            rest.slowness = sequences.iter().map(|states| slowness(states)).fold(0.0, f64::max);
         }
         Ok(rest)
     }
 
     /// Simulates a settling cycle and adds the states at its end.
-    async fn settle_once(&mut self, sequences: &mut [StateSequence]) -> Result<(), SimulationFailure> {
+    async fn settle_once(&mut self, sequences: &mut [Vec<Vec<f64>>]) -> Simulated<()> {
         let period = self.scene.life.period;
         self.integrate(-period..0.0, false).await?;
         self.simulated += 1;
         for (state, sequence) in self.islands.iter().zip(sequences) {
-            let last = &sequence.states[sequence.states.len() - 1];
+            let last = &sequence[sequence.len() - 1];
             let change = state.change(last, &state.scaled_state(period));
             let next = last.iter().zip(&change).map(|(last, change)| last + change).collect();
-            sequence.states.push(next);
+            sequence.push(next);
         }
         Ok(())
     }
@@ -280,7 +279,7 @@ impl<'a> Run<'a> {
     ///
     /// # Errors
     /// [`SimulationFailure`] if the integration stops.
-    pub(crate) async fn next_settled_cycle(&mut self) -> Result<(), SimulationFailure> {
+    pub(crate) async fn next_settled_cycle(&mut self) -> Simulated<()> {
         self.next_cycle().await?;
         self.measure_after_transient().await
     }
@@ -290,7 +289,7 @@ impl<'a> Run<'a> {
     ///
     /// # Errors
     /// [`SimulationFailure`] if the integration stops.
-    pub(crate) async fn measure_after_transient(&mut self) -> Result<(), SimulationFailure> {
+    pub(crate) async fn measure_after_transient(&mut self) -> Simulated<()> {
         if self.repetition.is_irregular {
             return Ok(());
         }

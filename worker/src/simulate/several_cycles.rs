@@ -16,9 +16,7 @@
 //! Method of independent replications: Law, Simulation Modeling and Analysis (2015), section 9.5.
 
 use super::island_state::IslandState;
-use super::run::Run;
-use super::side_by_side::join;
-use common::failure::SimulationFailure;
+use super::{Run, Simulated, join};
 use common::scene::JointKind;
 
 /// Motions whose mean is taken.
@@ -32,14 +30,6 @@ const NARROWER: f64 = 0.03;
 pub struct SeveralMotions<'a> {
     /// The further motions, one less than [`MOTIONS`], each after its last cycle; empty before they have been started.
     further: Vec<Run<'a>>,
-}
-
-/// Cycles measured on the same bores, one of each motion.
-pub struct SeveralCycles {
-    /// Mean of every output of the motion `(outputs,)` [SI].
-    pub motion: Vec<f64>,
-    /// How far they spread.
-    pub spread: CycleSpread,
 }
 
 /// Spread of the cycles on one bore.
@@ -56,7 +46,8 @@ pub struct CycleSpread {
 
 impl<'a> SeveralMotions<'a> {
     /// Continues all motions by a cycle on the bores of `life` [cycles], side by side; that of the first has just been measured. Puts
-    /// the mean of all contact histories in the place of the last one.
+    /// the mean of all contact histories in the place of the last one. Returns the mean of every output of the motion `(outputs,)` [SI], and how
+    /// far the cycles spread.
     ///
     /// # Errors
     /// [`SimulationFailure`] if a cycle fails.
@@ -64,7 +55,7 @@ impl<'a> SeveralMotions<'a> {
         &mut self,
         run: &mut Run<'a>,
         life: u32,
-    ) -> Result<SeveralCycles, SimulationFailure> {
+    ) -> Simulated<(Vec<f64>, CycleSpread)> {
         let start = self.further.is_empty();
         if start {
             self.further = vec![run.clone(); MOTIONS - 1];
@@ -94,14 +85,14 @@ impl<'a> SeveralMotions<'a> {
         let histories = run.islands.iter_mut().flat_map(|state| &mut state.recorder.histories);
         histories.for_each(|history| history.divide_work(MOTIONS));
         let (mean, of_single_cycles) = mean_and_variance(&motion);
-        Ok(SeveralCycles { motion: mean, spread: CycleSpread { life, motion: of_single_cycles, wear } })
+        Ok((mean, CycleSpread { life, motion: of_single_cycles, wear }))
     }
 }
 
 impl Run<'_> {
     /// Starts a motion from where the ideal mechanism has the bodies, with a cycle in bores whose clearance is smaller by the share
     /// `narrower` [1], which no contact outlasts, and measures the cycle after it.
-    async fn start_motion(&mut self, narrower: f64) -> Result<(), SimulationFailure> {
+    async fn start_motion(&mut self, narrower: f64) -> Simulated<()> {
         let scene = self.scene;
         let less = |joint: usize| match &scene.joints[joint].kind {
             JointKind::Clearance(clearance) => narrower * clearance.radial_clearance(),

@@ -11,8 +11,7 @@
 //! Aitken's method: Stoer, Bulirsch, Introduction to Numerical Analysis (2002), section 5.10.
 
 use super::conditions::condition_scenes;
-use super::run::Run;
-use super::side_by_side::LaneQueue;
+use super::{LaneQueue, Run, Simulated};
 use crate::outputs::BodyTrack;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
@@ -34,7 +33,7 @@ pub(crate) async fn with_period_of_turn(
     queue: &LaneQueue,
     scene: &Scene,
     accuracy: &Accuracy,
-) -> Result<Option<Scene>, SimulationFailure> {
+) -> Simulated<Option<Scene>> {
     if scene.life.turn_of.is_none() {
         return Ok(None);
     }
@@ -50,11 +49,7 @@ pub(crate) async fn with_period_of_turn(
 }
 
 /// Time of a turn of the settled motion [s].
-async fn period_of_turn(
-    queue: &LaneQueue,
-    scene: &Scene,
-    accuracy: &Accuracy,
-) -> Result<f64, SimulationFailure> {
+async fn period_of_turn(queue: &LaneQueue, scene: &Scene, accuracy: &Accuracy) -> Simulated<f64> {
     let (Some(body), guess) = (scene.life.turn_of, scene.life.period) else { return Ok(scene.life.period) };
     let mut run = Run::assemble(queue.clone(), scene, accuracy)?;
     let mut turns = Turns::default();

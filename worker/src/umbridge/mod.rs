@@ -83,8 +83,8 @@ pub struct Server {
     address: SocketAddr,
     /// Runtime with the threads of the server.
     runtime: Runtime,
-    stop: Option<oneshot::Sender<()>>,
-    done: Option<tokio::task::JoinHandle<std::io::Result<()>>>,
+    stop: oneshot::Sender<()>,
+    done: tokio::task::JoinHandle<std::io::Result<()>>,
 }
 
 impl Server {
@@ -106,7 +106,7 @@ impl Server {
             let _ = stopped.await;
         });
         let done = runtime.spawn(serve.into_future());
-        Ok(Self { address, runtime, stop: Some(stop), done: Some(done) })
+        Ok(Self { address, runtime, stop, done })
     }
 
     /// Address on which the server listens.
@@ -115,10 +115,9 @@ impl Server {
     }
 
     /// Accepts no further requests, answers the open ones, and returns.
-    pub fn finish(mut self) {
-        if let (Some(stop), Some(done)) = (self.stop.take(), self.done.take())
-            && stop.send(()).is_ok()
-            && let Err(error) = self.runtime.block_on(done)
+    pub fn finish(self) {
+        if self.stop.send(()).is_ok()
+            && let Err(error) = self.runtime.block_on(self.done)
         {
             tracing::error!("the server ended with an error: {error}");
         }

@@ -91,20 +91,15 @@ impl Model {
     /// # Errors
     /// The error to send to the client.
     pub fn evaluate(&self, request: &CheckedRequest) -> Result<Evaluated<f64>, ErrorBody> {
-        let failed = |failure: SimulationFailure| ErrorBody {
-            kind: SIMULATION_FAILED.into(),
-            message: failure.to_string(),
-        };
+        let body = |message: String| ErrorBody { kind: SIMULATION_FAILED.into(), message };
+        let failed = |failure: SimulationFailure| body(failure.to_string());
         let invalid =
             |faults: Faults| failed(SimulationFailure::InvalidSample { faults: faults.to_string() });
         let scene = self.source.resolve_sample(&request.sample).map_err(invalid)?;
         let evaluation =
             simulate(&scene, &request.accuracy.accuracy, SimulateOptions::default()).map_err(failed)?;
         match find_non_finite(&evaluation) {
-            Some(found) => Err(ErrorBody {
-                kind: SIMULATION_FAILED.into(),
-                message: format!("{} is not finite", found.quantity),
-            }),
+            Some(found) => Err(body(format!("{} is not finite", found.quantity))),
             None => Ok(Evaluated { output: evaluation.histories }),
         }
     }

@@ -26,8 +26,7 @@
 //! Arc ends by the law of cosines: Cui et al., China Mechanical Engineering 37(6), 2026, 1472-1485,
 //! doi 10.3969/j.issn.1004-132X.2026.06.020. The expansion is derived here.
 
-use super::crossing::Crossing;
-use super::on_journal::OnJournal;
+use super::crossing::{Crossing, OnJournal};
 use crate::bore::Profile;
 use crate::lanes::Real;
 use std::f64::consts::TAU;

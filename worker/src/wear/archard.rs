@@ -22,13 +22,17 @@
 //! # Source
 //! Archard (1953), J. Appl. Phys. 24, 981-988. Arc rule of the local law: the seed paper, Cui et al., China
 //! Mechanical Engineering 37(6), 2026, 1472-1485, doi 10.3969/j.issn.1004-132X.2026.06.020.
+//!
+//! # Wear rate
+//! Wear of either kind of joint with clearance: bushing and journal, or guide and slider.
+//!
+//! Source:
+//! Archard (1953), J. Appl. Phys. 24, 981-988: wear is linear in the work of a contact.
 
 use super::amounts::{BoreSizes, SurfaceSizes};
 use super::conformal::ConformalContacts;
-use super::equilibrium::NoEquilibrium;
-use super::interval::ContactHistory;
 use super::local_arcs::LocalArcs;
-use super::wear_law::WearLaw;
+use super::{ContactHistory, NoEquilibrium, RailHistory, RailWearRate, WearLaw};
 use crate::bore::Profile;
 use crate::contact::Contact;
 use common::scene::WearDistribution;
@@ -41,12 +45,12 @@ pub struct BoreWearRate {
     coefficients: [f64; 2],
     sizes: BoreSizes,
     profile: Profile,
-    contacts: FrozenContacts,
+    pub(super) contacts: FrozenContacts,
 }
 
 /// Contact samples of a history, found again on each profile, by the distribution of their pressure along the bore.
 #[derive(Debug, Clone)]
-enum FrozenContacts {
+pub(super) enum FrozenContacts {
     UniformOverArc(LocalArcs),
     Foundation(ConformalContacts),
 }
@@ -58,7 +62,7 @@ impl BoreWearRate {
         let wears = coefficients[1] > 0.0;
         BoreWearRate {
             coefficients,
-            sizes: BoreSizes { points, radii: [profile.initial_radius(), surface.journal_radius], width },
+            sizes: BoreSizes { points, radii: [profile.initial_radius, surface.journal_radius], width },
             profile: profile.clone(),
             contacts: match contact {
                 Contact::LocalHertz(_) => {
@@ -74,25 +78,10 @@ impl BoreWearRate {
     /// This rate with the wear of an arc under the local law distributed by another rule.
     pub(crate) fn distributed(mut self, distribution: WearDistribution) -> Self {
         match &mut self.contacts {
-            FrozenContacts::UniformOverArc(arcs) => arcs.set_distribution(distribution),
+            FrozenContacts::UniformOverArc(arcs) => arcs.distribution = distribution,
             FrozenContacts::Foundation(_) => {}
         }
         self
-    }
-
-    /// Sizes of the surfaces.
-    #[cfg(test)]
-    pub(crate) fn sizes(&self) -> BoreSizes {
-        self.sizes
-    }
-
-    /// Evaluations of the foundation so far; zero under a law without one.
-    #[cfg(test)]
-    pub(crate) fn evaluations(&self) -> u64 {
-        match &self.contacts {
-            FrozenContacts::UniformOverArc(_) => 0,
-            FrozenContacts::Foundation(contacts) => contacts.evaluations(),
-        }
     }
 }
 
@@ -134,5 +123,128 @@ impl WearLaw for BoreWearRate {
             rate.iter_mut().for_each(|r| *r *= coefficient / per);
         }
         Ok(())
+    }
+}
+
+/// Contact history of a joint that wears.
+#[derive(Debug, Clone, PartialEq)]
+pub enum WearHistory {
+    /// Of a journal in its bushing.
+    Bore(ContactHistory),
+    /// Of a slider in its guide.
+    Rail(RailHistory),
+}
+
+/// Evaluates an expression with the history inside.
+macro_rules! with_history {
+    ($history:expr, $bound:ident => $value:expr) => {
+        match $history {
+            WearHistory::Bore($bound) => $value,
+            WearHistory::Rail($bound) => $value,
+        }
+    };
+}
+
+impl WearHistory {
+    /// The history of a journal in its bushing.
+    pub(crate) fn bore(&self) -> Option<&ContactHistory> {
+        match self {
+            WearHistory::Bore(history) => Some(history),
+            WearHistory::Rail(_) => None,
+        }
+    }
+
+    /// The history of a journal in its bushing.
+    pub(crate) fn bore_mut(&mut self) -> Option<&mut ContactHistory> {
+        match self {
+            WearHistory::Bore(history) => Some(history),
+            WearHistory::Rail(_) => None,
+        }
+    }
+
+    /// The history of a slider in its guide.
+    pub(crate) fn rail_mut(&mut self) -> Option<&mut RailHistory> {
+        match self {
+            WearHistory::Bore(_) => None,
+            WearHistory::Rail(history) => Some(history),
+        }
+    }
+
+    /// Removes all samples, for a new cycle.
+    pub(crate) fn clear(&mut self) {
+        with_history!(self, history => history.clear());
+    }
+
+    /// Ends the current interval; to be called at the end of the cycle.
+    pub(crate) fn close_interval(&mut self) {
+        with_history!(self, history => history.close_interval());
+    }
+
+    /// Appends the samples of a further cycle of the same joint.
+    pub(crate) fn append(&mut self, further: &WearHistory) {
+        match (self, further) {
+            (WearHistory::Bore(own), WearHistory::Bore(further)) => {
+                own.samples.extend_from_slice(&further.samples)
+            }
+            (WearHistory::Rail(own), WearHistory::Rail(further)) => {
+                own.samples.extend_from_slice(&further.samples)
+            }
+            _ => debug_assert!(false, "histories of two joints"),
+        }
+    }
+
+    /// Turns the history of several cycles into that of their mean: the same contacts, each with its share of the work.
+    pub(crate) fn divide_work(&mut self, cycles: usize) {
+        match self {
+            WearHistory::Bore(history) => {
+                history.samples.iter_mut().for_each(|sample| sample.work /= cycles as f64);
+            }
+            WearHistory::Rail(_) => self.scale_work(1.0 / cycles as f64),
+        }
+    }
+
+    /// Multiplies the work of every contact by `factor` [1].
+    pub(crate) fn scale_work(&mut self, factor: f64) {
+        with_history!(self, history => history.samples.iter_mut().for_each(|sample| sample.work *= factor));
+    }
+
+    /// Work of all contacts [N m].
+    pub(crate) fn work(&self) -> f64 {
+        with_history!(self, history => history.samples.iter().map(|sample| sample.work).sum())
+    }
+}
+
+/// Wear rate of a joint under a frozen contact history.
+#[derive(Debug, Clone)]
+pub enum WearRate {
+    /// Of bushing and journal.
+    Bore(Box<BoreWearRate>),
+    /// Of guide and slider.
+    Rail(Box<RailWearRate>),
+}
+
+impl WearLaw for WearRate {
+    type History = WearHistory;
+
+    fn freeze(&mut self, history: &WearHistory) {
+        match (self, history) {
+            (WearRate::Bore(rate), WearHistory::Bore(history)) => rate.freeze(history),
+            (WearRate::Rail(rate), WearHistory::Rail(history)) => rate.freeze(history),
+            _ => debug_assert!(false, "history of another joint"),
+        }
+    }
+
+    fn sizes(&self) -> SurfaceSizes {
+        match self {
+            WearRate::Bore(rate) => rate.sizes(),
+            WearRate::Rail(rate) => rate.sizes(),
+        }
+    }
+
+    fn rate(&mut self, depth: &[f64], rates: &mut [f64]) -> Result<(), NoEquilibrium> {
+        match self {
+            WearRate::Bore(rate) => rate.rate(depth, rates),
+            WearRate::Rail(rate) => rate.rate(depth, rates),
+        }
     }
 }

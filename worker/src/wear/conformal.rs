@@ -43,7 +43,7 @@ pub struct ConformalContacts {
     /// Means of groups of samples.
     samples: Vec<ContactSample>,
     /// Evaluations of the foundation so far.
-    evaluations: u64,
+    pub(super) evaluations: u64,
 }
 
 impl ConformalContacts {
@@ -82,12 +82,6 @@ impl ConformalContacts {
                 Some(law) => (law, sample.turn).gap_along(sample.e),
             };
         }
-    }
-
-    /// Evaluations of the foundation so far.
-    #[cfg(test)]
-    pub(crate) fn evaluations(&self) -> u64 {
-        self.evaluations
     }
 
     /// Shares q_i of all samples on the present profile `(points,)` [N m], and then those of a journal that wears, whose depths are

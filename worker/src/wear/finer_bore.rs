@@ -23,9 +23,7 @@
 //! Comparison with a finer grid, without the extrapolation of Richardson (1911), Phil. Trans. R. Soc. A 210,
 //! 307-357; `stated_wear_errors_of_random_loads` compares with a converged bore.
 
-use super::amounts::{MarkedDepths, WornAmounts};
-use super::step::{StepRule, WearStep, WearStepStats};
-use super::wear_law::WearLaw;
+use super::{MarkedDepths, StepRule, WearLaw, WearStep, WearStepStats, WornAmounts};
 
 /// Error over the largest difference [1]: 2 where it halves with the spacing, as at the edge of a scar, 4/3 where the
 /// profile is smooth.
@@ -58,7 +56,7 @@ pub struct FinerBore<L> {
     differences: Vec<(f64, WornAmounts)>,
     /// Marks within the block behind, and those of the next one, counted from its start [cycle].
     marks: Vec<f64>,
-    next_marks: Vec<f64>,
+    pub(crate) next_marks: Vec<f64>,
     /// Wear of the joint at the marks within the next block.
     pub next_marked: Vec<WornAmounts>,
     /// Cycles of the next block, and the wear of the joint at its start; `None` if the copy has been worn under its history.
@@ -95,11 +93,6 @@ impl<L: WearLaw> FinerBore<L> {
             passed: Vec::new(),
             within: Vec::new(),
         }
-    }
-
-    /// Compares the two also at these marks within the next block (increasing, counted from its start, before its end) [cycle].
-    pub(crate) fn mark(&mut self, marks: &[f64]) {
-        self.next_marks = marks.to_vec();
     }
 
     /// Freezes the contact history measured where the joint is `worn`, at the end of the block behind, for [`FinerBore::advance`]; the next

@@ -48,7 +48,7 @@ pub struct ContactInstant<R = f64> {
     /// Work density F_N |v_t| [W].
     density: R,
     /// Eccentricity in the bushing's frame `(2,)` [m].
-    e: [R; 2],
+    pub(crate) e: [R; 2],
     /// Penetration delta [m].
     penetration: R,
     /// Normal force F_N [N].
@@ -56,7 +56,7 @@ pub struct ContactInstant<R = f64> {
     /// Direction in which the journal presses on the bushing `(2,)` [1].
     direction: [R; 2],
     /// Angle of the journal's body minus that of the bushing's [rad].
-    turn: R,
+    pub(crate) turn: R,
 }
 
 lanewise!(numbers ContactInstant { density, e, penetration, normal, direction, turn });
@@ -86,11 +86,6 @@ impl ContactInstant {
     /// Size of the sliding speed, zero in free flight [m/s].
     pub(crate) fn sliding(&self) -> f64 {
         if self.normal > 0.0 { self.density / self.normal } else { 0.0 }
-    }
-
-    /// Eccentricity in the bushing's frame `(2,)` [m] and angle of the journal's body from the bushing's [rad].
-    pub(crate) fn place(&self) -> ([f64; 2], f64) {
-        (self.e, self.turn)
     }
 }
 
@@ -255,26 +250,6 @@ impl ContactHistory {
     /// Ends the current interval; to be called at the end of the cycle.
     pub(crate) fn close_interval(&mut self) {
         self.samples.extend(self.interval.end(0));
-    }
-
-    /// Appends the samples of a further cycle.
-    pub(crate) fn append(&mut self, further: &ContactHistory) {
-        self.samples.extend_from_slice(&further.samples);
-    }
-
-    /// Turns the history of several cycles into that of their mean: the same contacts, each with its share of the work.
-    pub(crate) fn divide_work(&mut self, cycles: usize) {
-        self.samples.iter_mut().for_each(|sample| sample.work /= cycles as f64);
-    }
-
-    /// Multiplies the work of every contact by `factor` [1].
-    pub(crate) fn scale_work(&mut self, factor: f64) {
-        self.samples.iter_mut().for_each(|sample| sample.work *= factor);
-    }
-
-    /// Work F S of all contacts [N m].
-    pub(crate) fn work(&self) -> f64 {
-        self.samples.iter().map(|sample| sample.work).sum()
     }
 }
 

@@ -36,7 +36,7 @@ use std::f64::consts::TAU;
 #[derive(Debug, Clone)]
 pub struct LocalArcs {
     ends: ArcEnds,
-    distribution: WearDistribution,
+    pub(crate) distribution: WearDistribution,
     samples: Vec<Sample>,
     /// Shares on three turns, one before and one after the bore's own `(3 points,)`: there
     /// an arc is one piece; then those of the journal, if that wears.
@@ -73,11 +73,6 @@ impl LocalArcs {
             further: Vec::new(),
             journal: wears.then(|| contact.new_journal(points)),
         }
-    }
-
-    /// Distributes the wear of an arc by another rule from now on.
-    pub(crate) fn set_distribution(&mut self, distribution: WearDistribution) {
-        self.distribution = distribution;
     }
 
     /// Replaces the history by the samples of a cycle.
@@ -131,18 +126,18 @@ impl InLanes for Sharing<'_> {
     #[inline(always)]
     fn run<R: Real>(self, like: R) {
         match (self.arcs.distribution, self.arcs.journal.is_some()) {
-            (WearDistribution::HatShares, false) => self.share::<R, false, HatShares>(like),
-            (WearDistribution::HatShares, true) => self.share::<R, true, HatShares>(like),
-            (WearDistribution::PointsInside, false) => self.share::<R, false, PointsInside>(like),
-            (WearDistribution::PointsInside, true) => self.share::<R, true, PointsInside>(like),
+            (WearDistribution::HatShares, false) => self.share::<R, false, false>(like),
+            (WearDistribution::HatShares, true) => self.share::<R, true, false>(like),
+            (WearDistribution::PointsInside, false) => self.share::<R, false, true>(like),
+            (WearDistribution::PointsInside, true) => self.share::<R, true, true>(like),
         }
     }
 }
 
 impl Sharing<'_> {
-    /// `WORN` if the journal wears, by the rule `D`: compiled for each, since the cases within the loop take a third of the time.
+    /// `WORN` if the journal wears, to the points `INSIDE` the arc or by hat functions: compiled for each, since the cases within the loop take a third of the time.
     #[inline(always)]
-    fn share<R: Real, const WORN: bool, D: ShareRule>(self, like: R) {
+    fn share<R: Real, const WORN: bool, const INSIDE: bool>(self, like: R) {
         let LocalArcs { ends, samples, unrolled, further, journal, .. } = self.arcs;
         let journal = if WORN { journal.as_ref() } else { None };
         let (unrolled, of_journal) = unrolled.split_at_mut(3 * self.profile.points());
@@ -191,7 +186,7 @@ impl Sharing<'_> {
                         let (start, end, between) = (middle + from, middle + to, middle + 0.5 * (from + to));
                         let at = |x: f64| self.profile.turned(x);
                         let mean = (at(start) + 4.0 * at(between) + at(end)) / 6.0;
-                        D::share_out(
+                        share_out::<INSIDE>(
                             unrolled,
                             ArcEnd::both(turn + start, turn + end),
                             density * (to - from) / mean,
@@ -201,14 +196,18 @@ impl Sharing<'_> {
                             let between = journal.worn.turned(place + 0.5 * (from + to));
                             let mean = radius_of_journal(journal, ends, between);
                             let places = ArcEnd::both(turn + ends[0], turn + ends[1]);
-                            D::share_out(of_journal, places, density * (to - from) / mean);
+                            share_out::<INSIDE>(of_journal, places, density * (to - from) / mean);
                         }
                     }
                 }
                 if let Some(journal) = journal {
                     let ends = [place - before, place + after];
                     let mean = radius_of_journal(journal, ends, contact.radius - r);
-                    D::share_out(of_journal, ArcEnd::both(turn + ends[0], turn + ends[1]), work / mean);
+                    share_out::<INSIDE>(
+                        of_journal,
+                        ArcEnd::both(turn + ends[0], turn + ends[1]),
+                        work / mean,
+                    );
                 }
                 arcs[k] = (ArcEnd::both(turn + (middle - before), turn + (middle + after)), work);
             }
@@ -218,7 +217,7 @@ impl Sharing<'_> {
                 *amount /= (at(&ends[0]) + 4.0 * r + at(&ends[1])) / 6.0;
             }
             for (ends, amount) in &arcs[..samples.len()] {
-                D::share_out(unrolled, *ends, *amount);
+                share_out::<INSIDE>(unrolled, *ends, *amount);
             }
         }
     }
@@ -249,40 +248,18 @@ impl ArcEnd {
     }
 }
 
-/// A rule by which the wear of an arc is distributed over the control points.
-trait ShareRule {
-    /// Adds to the points of a surface their parts of the `amount` of an arc between two places.
-    fn share_out(unrolled: &mut [f64], ends: [ArcEnd; 2], amount: f64);
-}
-
-/// By hat functions.
-struct HatShares;
-
-/// To the points inside.
-struct PointsInside;
-
-impl ShareRule for HatShares {
-    #[inline(always)]
-    fn share_out(unrolled: &mut [f64], ends: [ArcEnd; 2], amount: f64) {
-        share_out(unrolled, ends, amount);
-    }
-}
-
-impl ShareRule for PointsInside {
-    #[inline(always)]
-    fn share_out(unrolled: &mut [f64], [start, end]: [ArcEnd; 2], amount: f64) {
+/// Shares `amount` out over the points next to and inside an arc between two places: to each in proportion to the integral of its hat
+/// function over the arc, or to all those `INSIDE` alike.
+#[inline(always)]
+fn share_out<const INSIDE: bool>(unrolled: &mut [f64], [start, end]: [ArcEnd; 2], amount: f64) {
+    if INSIDE {
         let length = end.x - start.x;
         let first = start.point + usize::from(start.fraction > 0.0);
         if length > 0.0 && first <= end.point {
             unrolled[first..=end.point].iter_mut().for_each(|sum| *sum += amount / length);
         }
+        return;
     }
-}
-
-/// Shares `amount` out over the points next to and inside an arc between two places: to each in proportion to the integral of its hat
-/// function over the arc.
-#[inline(always)]
-fn share_out(unrolled: &mut [f64], [start, end]: [ArcEnd; 2], amount: f64) {
     let (i, j, s, t) = (start.point, end.point, start.fraction, end.fraction);
     if i == j {
         // Between two points each has the hat function's value in the middle of the arc.

@@ -1,10 +1,8 @@
 //! The wear rate of the local law against its readable version: a walk from angle to angle, sample by sample.
 
 use super::arc_ends::subdivision;
-use super::interval::ContactSample;
 use super::local_arcs::LocalArcs;
-use super::wear_law::WearLaw;
-use super::{BoreWearRate, ContactHistory, ContactInstant};
+use super::{BoreWearRate, ContactHistory, ContactInstant, ContactSample, WearLaw};
 use crate::bore::Profile;
 use crate::contact::{Contact, JointForce, LocalHertz, Surface};
 use std::f64::consts::{PI, TAU};

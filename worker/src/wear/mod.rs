@@ -3,16 +3,15 @@
 //!
 //! Order of use: `interval` records contact samples; `archard` turns them into a wear rate on the present
 //! profile, for `local-hertz` by `local_arcs` and `arc_ends`, for `foundation` by `condense`, `conformal`,
-//! `equilibrium` and `nodal_loads`, for guides by `rail_history`, `rail_rate` and `rail_equilibrium`. `wear_law` is what these rates have in common, `wear_rate` any
-//! of them; `step` integrates that rate over a block; `finer_bore`
-//! shows what the spacing of the control points costs, `contact_arc` what it has to resolve, `amounts` what the depths come to.
+//! `equilibrium` and `nodal_loads`, for guides by `rail_history`, `rail_rate` and `rail_equilibrium`. `WearLaw` (`amounts`) is what these rates have in common, `WearRate` (`archard`)
+//! any of them; `step` integrates that rate over a block; `finer_bore`
+//! shows what the spacing of the control points costs, `mean_contact_arc` (`condense`) what it has to resolve, `amounts` what the depths come to.
 
 mod amounts;
 mod arc_ends;
 mod archard;
 mod condense;
 mod conformal;
-mod contact_arc;
 mod crossing;
 mod equilibrium;
 #[cfg(test)]
@@ -25,7 +24,6 @@ mod local_arcs;
 #[cfg(test)]
 mod local_arcs_tests;
 mod nodal_loads;
-mod on_journal;
 #[cfg(test)]
 mod published_tests;
 mod rail_equilibrium;
@@ -40,16 +38,13 @@ mod step;
 mod step_tests;
 #[cfg(test)]
 mod volume_tests;
-mod wear_law;
-mod wear_rate;
 
-pub(crate) use amounts::{MarkedDepths, WornAmounts, wear_output};
-pub(crate) use archard::BoreWearRate;
-pub(crate) use contact_arc::mean_contact_arc;
+pub(crate) use amounts::{MarkedDepths, WearLaw, WornAmounts, wear_output};
+pub(crate) use archard::{BoreWearRate, WearHistory, WearRate};
+pub(crate) use condense::mean_contact_arc;
+pub(crate) use equilibrium::NoEquilibrium;
 pub(crate) use finer_bore::FinerBore;
 pub(crate) use interval::{ContactHistory, ContactInstant, ContactSample, Interval};
 pub(crate) use rail_history::{RailHistory, RailInstant};
 pub(crate) use rail_rate::RailWearRate;
 pub(crate) use step::{StepRule, WearStep, WearStepFailed, WearStepStats};
-pub(crate) use wear_law::WearLaw;
-pub(crate) use wear_rate::{WearHistory, WearRate};

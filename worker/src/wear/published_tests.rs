@@ -1,10 +1,8 @@
 //! The published forms of the wear against closed forms: the rule of the points inside an arc, the explicit step, the approximating spline.
 
-use super::interval::ContactSample;
 use super::local_arcs::LocalArcs;
 use super::step_tests::{COEFFICIENT, SURFACE, WIDTH};
-use super::wear_law::WearLaw;
-use super::{BoreWearRate, ContactHistory, StepRule, WearStep, WearStepStats};
+use super::{BoreWearRate, ContactHistory, ContactSample, StepRule, WearLaw, WearStep, WearStepStats};
 use crate::bore::Profile;
 use crate::contact::{Contact, LocalHertz};
 use common::scene::{BoreSpline, WearDistribution};
@@ -34,7 +32,7 @@ fn sample(psi: f64, half: f64) -> ContactSample {
 
 fn shares(distribution: WearDistribution, sample: ContactSample) -> Vec<f64> {
     let mut arcs = LocalArcs::new(&contact(), POINTS, false);
-    arcs.set_distribution(distribution);
+    arcs.distribution = distribution;
     arcs.freeze(&[sample]);
     let mut shares = vec![0.0; POINTS];
     arcs.shares(&Profile::round(RADIUS, POINTS), &[], &mut shares);

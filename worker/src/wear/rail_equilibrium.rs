@@ -59,15 +59,6 @@ struct Carried {
     normal: f64,
 }
 
-/// A slider in equilibrium.
-#[derive(Debug, Clone, Copy)]
-pub struct RailEquilibrium {
-    /// Where the slider is.
-    pub pose: SliderPose,
-    /// The load that is carried over the one wanted, one but for the lightest loads [1].
-    pub heavier: f64,
-}
-
 impl RailGaps {
     /// A slider with no gap on either side, the face of which has the `stiffness` [N/m].
     pub(super) fn new(layout: RailLayout, stiffness: f64) -> Self {
@@ -116,7 +107,8 @@ impl RailGaps {
         carried
     }
 
-    /// The equilibrium of the force `load[0]` and the moment `load[1]` times half the slider's length [N], sought from `start`. Leaves overlaps and forces of that
+    /// The equilibrium of the force `load[0]` and the moment `load[1]` times half the slider's length [N], sought from `start`: where the slider is, and the load that is
+    /// carried over the one wanted, one but for the lightest loads [1]. Leaves overlaps and forces of that
     /// state. Lighter loads than one whose overlap can be resolved beside the gaps get the equilibrium of such a load.
     ///
     /// # Errors
@@ -125,7 +117,7 @@ impl RailGaps {
         &mut self,
         load: [f64; 2],
         start: SliderPose,
-    ) -> Result<RailEquilibrium, NoEquilibrium> {
+    ) -> Result<(SliderPose, f64), NoEquilibrium> {
         let widest = largest(self.gap.iter().flatten().copied());
         let size = load[0].abs() + load[1].abs();
         let least = LEAST * self.stiffness * widest;
@@ -138,7 +130,7 @@ impl RailGaps {
             let left = [load[0] - now.load[0], load[1] - now.load[1]];
             residual = left[0].abs().max(left[1].abs()) / size;
             if residual <= BALANCED {
-                return Ok(RailEquilibrium { pose, heavier });
+                return Ok((pose, heavier));
             }
             (pose, now) = self.step(load, size, (pose, &now), left);
         }

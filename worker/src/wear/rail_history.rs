@@ -168,21 +168,6 @@ impl RailHistory {
     pub(crate) fn close_interval(&mut self) {
         self.samples.extend(self.interval.end());
     }
-
-    /// Appends the samples of a further cycle.
-    pub(crate) fn append(&mut self, further: &RailHistory) {
-        self.samples.extend_from_slice(&further.samples);
-    }
-
-    /// Multiplies the work of every contact by `factor` [1].
-    pub(crate) fn scale_work(&mut self, factor: f64) {
-        self.samples.iter_mut().for_each(|sample| sample.work *= factor);
-    }
-
-    /// Work of all contacts [N m].
-    pub(crate) fn work(&self) -> f64 {
-        self.samples.iter().map(|sample| sample.work).sum()
-    }
 }
 
 #[cfg(test)]
@@ -221,6 +206,8 @@ mod tests {
         }
         let first = history.samples[0];
         assert!((first.force - 10.0 / 3.0).abs() < 1e-14 && (first.moment - 0.1 / 3.0).abs() < 1e-15);
-        assert!((first.position - 2e-3 / 3.0).abs() < 1e-18 && (history.work() - 3.0).abs() < 1e-14);
+        assert!(
+            (first.position - 2e-3 / 3.0).abs() < 1e-18 && (works.iter().sum::<f64>() - 3.0).abs() < 1e-14
+        );
     }
 }

@@ -20,11 +20,10 @@
 //! # Source
 //! Archard (1953), J. Appl. Phys. 24, 981-988. Wear of a foundation under a rigid surface: as in `conformal.rs`.
 
-use super::amounts::SurfaceSizes;
+use super::amounts::{SurfaceSizes, WearLaw};
 use super::equilibrium::NoEquilibrium;
-use super::rail_equilibrium::{RailEquilibrium, RailGaps, SliderPose};
+use super::rail_equilibrium::{RailGaps, SliderPose};
 use super::rail_history::{RailHistory, RailSample};
-use super::wear_law::WearLaw;
 use crate::rail::{RailFaces, RailLayout};
 use std::collections::BTreeMap;
 
@@ -62,7 +61,7 @@ impl RailWearRate {
 
     /// Group of a sample.
     fn group(&self, sample: &RailSample) -> (u8, i32, [i32; 2], i32) {
-        let layout = self.faces.layout();
+        let layout = &self.faces.layout;
         let moment = sample.moment / layout.half_length;
         let size = sample.force.abs().max(moment.abs()).max(f64::MIN_POSITIVE);
         let cell = |load: f64| (load / size / PLACE).round() as i32;
@@ -73,18 +72,18 @@ impl RailWearRate {
 
     /// Gaps of both faces with the slider at the position `s` along the guide [m].
     fn set_gaps(&mut self, s: f64) {
-        let layout = *self.faces.layout();
+        let layout = self.faces.layout;
         for (face, gaps) in self.gaps.gap.iter_mut().enumerate() {
             for (node, gap) in gaps.iter_mut().enumerate() {
                 let of_guide = self.faces.guide_depth(face, s + layout.node(node)).w;
-                *gap = self.clearance + of_guide + self.faces.slider_depth(face, node);
+                *gap = self.clearance + of_guide + self.faces.slider[face][node];
             }
         }
     }
 
     /// Adds `scale` times the hat functions' shares of the pressure on a face of the guide, with the slider at `s` [m], to `shares` `(points,)`.
     fn add_guide_shares(&self, face: usize, s: f64, scale: f64, shares: &mut [f64]) {
-        let layout = self.faces.layout();
+        let layout = &self.faces.layout;
         let modulus = scale * self.gaps.modulus();
         for (k, g) in self.gaps.overlap[face].windows(2).enumerate() {
             if g[0] <= 0.0 && g[1] <= 0.0 {
@@ -151,13 +150,13 @@ impl WearLaw for RailWearRate {
     }
 
     fn sizes(&self) -> SurfaceSizes {
-        SurfaceSizes::Rail(*self.faces.layout())
+        SurfaceSizes::Rail(self.faces.layout)
     }
 
     fn rate(&mut self, depth: &[f64], rate: &mut [f64]) -> Result<(), NoEquilibrium> {
         self.faces.set_depth(depth);
         rate.fill(0.0);
-        let layout = *self.faces.layout();
+        let layout = self.faces.layout;
         let [wears_guide, wears_slider] = self.coefficients.map(|coefficient| coefficient > 0.0);
         for index in 0..self.samples.len() {
             let (sample, start) = self.samples[index];
@@ -166,7 +165,7 @@ impl WearLaw for RailWearRate {
             if load == [0.0; 2] || sample.normal <= 0.0 {
                 continue;
             }
-            let RailEquilibrium { pose, heavier } = self.gaps.equilibrium(load, start)?;
+            let (pose, heavier) = self.gaps.equilibrium(load, start)?;
             self.samples[index].1 = pose;
             let scale = sample.work / (sample.normal * heavier);
             let (of_guide, of_slider) = rate.split_at_mut(layout.guide_depths());

@@ -1,10 +1,10 @@
 //! Wear of guides and sliders under histories made for the purpose: volumes, closed forms, equilibria of random loads.
 
 use super::rail_equilibrium::RailGaps;
-use super::rail_history::{RailHistory, RailInstant};
-use super::rail_rate::RailWearRate;
-use super::wear_law::WearLaw;
-use super::{FinerBore, StepRule, WearStep, WearStepStats, WornAmounts};
+use super::{
+    FinerBore, RailHistory, RailInstant, RailWearRate, StepRule, WearLaw, WearStep, WearStepStats,
+    WornAmounts,
+};
 use crate::contact::GuideReaction;
 use crate::rail::RailLayout;
 
@@ -83,7 +83,8 @@ fn worn_volumes_are_those_of_the_work() {
         let cycles = 2000.0;
         wear(&mut rate, &mut depth, cycles, 5e-3);
         let volume = |range: std::ops::Range<usize>| -> f64 {
-            range.map(|k| depth[k] * layout.area(k)).sum::<f64>() / (cycles * history.work())
+            range.map(|k| depth[k] * layout.area(k)).sum::<f64>()
+                / (cycles * history.samples.iter().map(|sample| sample.work).sum::<f64>())
         };
         let guide = volume(0..layout.guide_depths()) / of_guide;
         let slider = volume(layout.guide_depths()..layout.depths()) / of_slider;
@@ -234,7 +235,7 @@ fn every_load_has_its_equilibrium() {
         let (left, right) = (sums(0), sums(1));
         let carried = [left[0] - right[0], left[1] - right[1]];
         // Lighter ones than a face bears at 1e-12 m of overlap are made as heavy.
-        let heavier = found.heavier;
+        let heavier = found.1;
         for c in 0..2 {
             assert!(
                 (carried[c] - heavier * load[c]).abs() < 1e-6 * heavier * size,
@@ -242,7 +243,7 @@ fn every_load_has_its_equilibrium() {
             );
         }
         assert!(heavier < 1.0 + 1e-6 || size < 1e-2, "{k}: {heavier} {size}");
-        pose = found.pose;
+        pose = found.0;
     }
 }
 

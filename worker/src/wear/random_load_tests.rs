@@ -2,9 +2,9 @@
 //! at random.
 
 use super::step_tests::{COEFFICIENT, POINTS, SURFACE, WIDTH};
-use super::wear_law::WearLaw;
 use super::{
-    BoreWearRate, ContactHistory, ContactInstant, FinerBore, StepRule, WearStep, WearStepStats, WornAmounts,
+    BoreWearRate, ContactHistory, ContactInstant, FinerBore, StepRule, WearLaw, WearStep, WearStepStats,
+    WornAmounts,
 };
 use crate::bore::Profile;
 use crate::contact::{Contact, Foundation, JointForce, LocalHertz};

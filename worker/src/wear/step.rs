@@ -16,9 +16,7 @@
 //! 315-326; van der Houwen, Sommeijer (1980), ZAMM 60, 479-485. Blocks of cycles under a frozen history: Cui
 //! et al. as cited in `archard.rs`.
 
-use super::amounts::MarkedDepths;
-use super::equilibrium::NoEquilibrium;
-use super::wear_law::WearLaw;
+use super::{MarkedDepths, NoEquilibrium, WearLaw};
 use crate::extremum::largest;
 use crate::interpolate::Cubic;
 use common::scene::{BlockStep, WearModel};

@@ -2,10 +2,10 @@
 //! does not zig-zag however long its blocks are.
 
 use super::amounts::{BoreSizes, SurfaceSizes};
-use super::equilibrium::NoEquilibrium;
-use super::wear_law::WearLaw;
+use super::archard::FrozenContacts;
 use super::{
-    BoreWearRate, ContactHistory, ContactInstant, StepRule, WearStep, WearStepFailed, WearStepStats,
+    BoreWearRate, ContactHistory, ContactInstant, NoEquilibrium, StepRule, WearLaw, WearStep, WearStepFailed,
+    WearStepStats,
 };
 use crate::bore::Profile;
 use crate::contact::{Contact, Foundation, JointForce, LocalHertz, Surface};
@@ -170,7 +170,8 @@ fn following_a_rest_through_a_block_costs_a_few_evaluations() {
         step.advance(&mut rate, &mut depth, 2000.0, &[], |_, _| {}, &mut stats)
             .expect("the force has an equilibrium");
     }
-    let each = rate.evaluations() as f64 / (stats.stages as f64 * cycle().samples.len() as f64);
+    let FrozenContacts::Foundation(contacts) = &rate.contacts else { panic!("a foundation") };
+    let each = contacts.evaluations as f64 / (stats.stages as f64 * cycle().samples.len() as f64);
     println!("{each} evaluations of the contact per equilibrium, {stats:?}");
     assert!(each > 0.2 && each < 1.2, "{each}");
 }

@@ -1,9 +1,9 @@
 //! Archard's volume K_H F S and the wear step, under contact histories made for the purpose.
 
 use super::step_tests::{COEFFICIENT, POINTS, SURFACE, WIDTH, foundation};
-use super::wear_law::WearLaw;
 use super::{
-    BoreWearRate, ContactHistory, ContactInstant, FinerBore, StepRule, WearStep, WearStepStats, WornAmounts,
+    BoreWearRate, ContactHistory, ContactInstant, FinerBore, StepRule, WearLaw, WearStep, WearStepStats,
+    WornAmounts,
 };
 use crate::bore::Profile;
 use crate::contact::{Contact, Foundation, JointForce, LocalHertz};

@@ -70,7 +70,7 @@ impl Beta {
     }
 
     /// x [unit of the variable] for y and 1 - y = `rest` [1], measured from the nearer bound.
-    fn place(&self, y: f64, rest: f64) -> f64 {
+    fn place(&self, [y, rest]: [f64; 2]) -> f64 {
         let width = self.width();
         let x = if y <= 0.5 { self.lower + width * y } else { self.upper - width * rest };
         x.clamp(self.lower, self.upper)
@@ -150,15 +150,15 @@ impl Law for Beta {
         if p > 0.5 {
             return self.at(1.0 - p, tail.other());
         }
-        let (y, rest) = match tail {
-            _ if p <= 0.0 => return if tail == Tail::Lower { self.lower } else { self.upper },
-            Tail::Lower => inverse(self.alpha, self.beta, p),
+        match tail {
+            Tail::Lower if p <= 0.0 => self.lower,
+            Tail::Upper if p <= 0.0 => self.upper,
+            Tail::Lower => self.place(inverse(self.alpha, self.beta, p).into()),
             Tail::Upper => {
                 let (rest, y) = inverse(self.beta, self.alpha, p);
-                (y, rest)
+                self.place([y, rest])
             }
-        };
-        self.place(y, rest)
+        }
     }
 
     fn mean_and_std(&self) -> (f64, f64) {

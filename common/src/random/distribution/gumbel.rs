@@ -46,10 +46,7 @@ impl Gumbel {
 
     /// +1 for maxima, -1 for minima.
     fn sign(&self) -> f64 {
-        match self.extreme {
-            Extreme::Maxima => 1.0,
-            Extreme::Minima => -1.0,
-        }
+        if self.extreme == Extreme::Maxima { 1.0 } else { -1.0 }
     }
 
     fn scale(&self) -> f64 {
@@ -63,10 +60,7 @@ impl Gumbel {
 
     /// The tail of the standard distribution that is this one of X.
     fn tail(&self, tail: Tail) -> Tail {
-        match self.extreme {
-            Extreme::Maxima => tail,
-            Extreme::Minima => tail.other(),
-        }
+        if self.extreme == Extreme::Maxima { tail } else { tail.other() }
     }
 }
 
@@ -87,10 +81,6 @@ impl Law for Gumbel {
 
     fn mean_and_std(&self) -> (f64, f64) {
         (self.mean, self.std)
-    }
-
-    fn support(&self) -> (f64, f64) {
-        (f64::NEG_INFINITY, f64::INFINITY)
     }
 
     fn scores(&self, x: f64) -> [f64; 2] {

@@ -73,7 +73,9 @@ pub trait Law {
     }
 
     /// Closed interval of the possible values of X, `(lower, upper)`; infinite where there is no bound [unit of the variable].
-    fn support(&self) -> (f64, f64);
+    fn support(&self) -> (f64, f64) {
+        (f64::NEG_INFINITY, f64::INFINITY)
+    }
 
     /// Scores d ln f(x) / dp for the mean and the standard deviation `(2,)` [1/unit of the variable], bounds held fixed.
     ///
@@ -94,11 +96,10 @@ pub trait Law {
     /// The smallest and the largest value that a scene must admit, `(lower, upper)`: a bound that was chosen, else the
     /// 1e-6 or 1 - 1e-6 quantile [unit of the variable].
     fn limits(&self) -> (f64, f64) {
-        let (lower, upper) = self.support();
-        if lower.is_finite() && upper.is_finite() {
-            return (lower, upper);
+        match self.support() {
+            (lower, upper) if lower.is_finite() && upper.is_finite() => (lower, upper),
+            _ => (self.quantile(REMOTE), self.upper_quantile(REMOTE)),
         }
-        (self.quantile(REMOTE), self.upper_quantile(REMOTE))
     }
 
     /// The x with F(x) = Phi(u), u a standard normal [unit of the variable]; digits are kept in both tails.

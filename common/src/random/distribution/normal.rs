@@ -49,10 +49,6 @@ impl Law for Normal {
         (self.mean, self.std)
     }
 
-    fn support(&self) -> (f64, f64) {
-        (f64::NEG_INFINITY, f64::INFINITY)
-    }
-
     fn scores(&self, x: f64) -> [f64; 2] {
         let z = self.z(x);
         [z / self.std, (z * z - 1.0) / self.std]

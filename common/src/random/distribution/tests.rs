@@ -1,5 +1,6 @@
 //! Every distribution against quadrature, its own inverse, and finite differences.
 
+use super::truncated_normal::TruncatedNormal;
 use super::*;
 use crate::random::standard_normal_pdf;
 

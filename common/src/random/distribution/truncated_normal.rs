@@ -36,18 +36,9 @@ struct Standardised {
 }
 
 impl Standardised {
-    fn new(a: f64, b: f64) -> Self {
-        Self { a, b, mass: standard_normal_mass(a, b) }
-    }
-
-    /// phi(a) and phi(b) [1]; zero at infinity.
-    fn bound_densities(&self) -> (f64, f64) {
-        (standard_normal_pdf(self.a), standard_normal_pdf(self.b))
-    }
-
-    /// a phi(a) and b phi(b) [1]; zero at infinity.
-    fn bound_moments(&self) -> (f64, f64) {
-        (moment(self.a), moment(self.b))
+    /// phi(z) and z phi(z) [1] at both bounds; zero at infinity.
+    fn bounds(&self) -> [[f64; 2]; 2] {
+        [self.a, self.b].map(|z| [standard_normal_pdf(z), moment(z)])
     }
 }
 
@@ -66,7 +57,8 @@ impl TruncatedNormal {
     }
 
     fn standardised(&self) -> Standardised {
-        Standardised::new(self.z(self.lower), self.z(self.upper))
+        let (a, b) = (self.z(self.lower), self.z(self.upper));
+        Standardised { a, b, mass: standard_normal_mass(a, b) }
     }
 
     fn z(&self, x: f64) -> f64 {
@@ -106,8 +98,7 @@ impl Law for TruncatedNormal {
     /// mean + std (phi(a) - phi(b)) / Z, and the root of std^2 (1 + (a phi(a) - b phi(b)) / Z - ((phi(a) - phi(b)) / Z)^2).
     fn mean_and_std(&self) -> (f64, f64) {
         let s = self.standardised();
-        let (phi_a, phi_b) = s.bound_densities();
-        let (moment_a, moment_b) = s.bound_moments();
+        let [[phi_a, moment_a], [phi_b, moment_b]] = s.bounds();
         let shift = (phi_a - phi_b) / s.mass;
         let variance = 1.0 + (moment_a - moment_b) / s.mass - shift * shift;
         (self.mean + self.std * (phi_a - phi_b) / s.mass, self.std * variance.max(0.0).sqrt())
@@ -142,8 +133,7 @@ impl Law for TruncatedNormal {
 
     fn score_function(&self) -> Box<dyn Fn(f64) -> [f64; 2] + '_> {
         let s = self.standardised();
-        let (phi_a, phi_b) = s.bound_densities();
-        let (moment_a, moment_b) = s.bound_moments();
+        let [[phi_a, moment_a], [phi_b, moment_b]] = s.bounds();
         let (by_mean, by_std) = ((phi_b - phi_a) / s.mass, (moment_b - moment_a) / s.mass);
         Box::new(move |x| {
             let z = self.z(x);
@@ -156,8 +146,7 @@ impl Law for TruncatedNormal {
         let s = self.standardised();
         let z = self.z(x.clamp(self.lower, self.upper));
         let (below, above) = (self.cdf(x), self.survival(x));
-        let (phi_a, phi_b) = s.bound_densities();
-        let (moment_a, moment_b) = s.bound_moments();
+        let [[phi_a, moment_a], [phi_b, moment_b]] = s.bounds();
         let integral = |a: f64, z: f64, b: f64| (above * a + below * b - z) / (self.std * s.mass);
         [integral(phi_a, standard_normal_pdf(z), phi_b), integral(moment_a, moment(z), moment_b)]
     }

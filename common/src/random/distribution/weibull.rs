@@ -63,12 +63,9 @@ impl Weibull {
         let target = libm::log1p((std / mean) * (std / mean));
         // The interval contains every w allowed; bisection to the last bit.
         let (mut low, mut high) = (5e-4, 5.0);
-        loop {
-            let middle = 0.5 * (low + high);
-            if middle <= low || middle >= high {
-                break;
-            }
-            if log_second_moment(middle) < target { low = middle } else { high = middle }
+        let middle = |low: f64, high: f64| Some(0.5 * (low + high)).filter(|w| low < *w && *w < high);
+        while let Some(w) = middle(low, high) {
+            if log_second_moment(w) < target { low = w } else { high = w }
         }
         let w = 0.5 * (low + high);
         Ok(Self { mean, std, scale: mean / libm::tgamma(1.0 + w), shape: 1.0 / w })

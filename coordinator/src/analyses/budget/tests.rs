@@ -102,7 +102,7 @@ fn where_everything_fails_the_failure_is_told() {
     let fail = |_: &Request| Err(SimulationFailure::NotModelled { what: "that".into() });
     let found =
         choose_setting(&scene, 0.01, &LADDER, &[vec![]], &mut LocalEvaluator::new(1, fail), &mut |_| {});
-    assert!(matches!(found, Err(BudgetError::Failed { setting, .. }) if setting == "reference"));
+    assert!(matches!(found, Err(BudgetError::Failed(setting, _)) if setting == "reference"));
 }
 
 #[test]

@@ -1,15 +1,15 @@
 //! Rounds of simulations and fits.
 
-use super::least_squares::{Fit, LeastSquares};
+use super::least_squares::LeastSquares;
 use super::report::{CalibrationResult, result};
 use super::responses::{CalibrationPoint, POPULATION, ResponseSurrogates};
 use super::space::{ParameterKind, Space};
 use super::targets::CalibrationTargets;
 use crate::analyses::error::AnalysisError;
-use crate::farm::evaluate::{EvaluateError, Evaluator, Request};
+use crate::farm::evaluate::{EvaluateError, Evaluator, Finished, Request};
 use crate::statistics::design::{InputModel, Population};
 use common::accuracy::Accuracy;
-use common::random::{Distribution, GaussianCopula};
+use common::random::Distribution;
 
 /// Settings of a calibration.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,14 +41,14 @@ pub fn calibrate(
     space: &Space,
     progress: &mut dyn FnMut(String),
 ) -> Result<CalibrationResult, AnalysisError> {
-    let targets: Vec<_> =
-        targets.targets.iter().map(|target| target.clone().counted_over(POPULATION)).collect();
-    let targets = targets.as_slice();
+    let targets = targets.targets.iter().map(|target| target.clone().counted_over(POPULATION));
+    let targets = &targets.collect::<Vec<_>>()[..];
     let dimension = space.dimension();
     let first = if settings.simulations == 0 { (4 * dimension).max(40) } else { settings.simulations };
     let least = dimension / 2 + 10;
     let mut simulated: Vec<CalibrationPoint> = Vec::new();
     let mut requested = 0;
+    // Bounds of the round's points `(p,)`, as shares of the distance between the bounds of the parameters.
     let mut window: Vec<(f64, f64)> = vec![(0.0, 1.0); space.free.len()];
     let mut round = 0;
     loop {
@@ -62,25 +62,28 @@ pub fn calibrate(
             }
         })?);
         if simulated.len() < least {
-            let succeeded = simulated.len();
-            return Err(AnalysisError::TooFew { succeeded, all: requested, least, dimension });
+            return Err(AnalysisError::TooFew(format!(
+                "{} of {requested} simulations gave a result, fewer than the {least} that {dimension} variables and \
+                 parameters need",
+                simulated.len()
+            )));
         }
         let responses = ResponseSurrogates::fit(space, targets, &simulated, settings.seed)?;
         let residuals = |places: &[f64]| -> Vec<f64> {
-            let values = responses.target_values(&space.parameters(places));
-            targets
-                .iter()
-                .zip(values)
-                .map(|(target, value)| (value - target.value) / target.tolerance)
-                .collect()
+            let values = responses.target_values(&space.parameters(places)).into_iter().zip(targets);
+            values.map(|(value, target)| (value - target.value) / target.tolerance).collect()
         };
         let problem = LeastSquares { residuals, weights: vec![1.0; targets.len()] };
         let fit = problem.fit(&starts(space));
         if round == settings.rounds {
             let counts = (requested, requested - simulated.len());
-            return Ok(result(space, targets, &responses, &problem, &fit, counts));
+            return Ok(result(&responses, &problem, &fit, counts));
         }
-        window = window_around(&fit);
+        let around = |(k, best): (usize, &f64)| {
+            let half = (WINDOW * fit.uncertainty(k)).max(SMALLEST_WINDOW);
+            ((best - half).max(0.0), (best + half).min(1.0))
+        };
+        window = fit.best.iter().enumerate().map(around).collect();
         round += 1;
     }
 }
@@ -91,15 +94,6 @@ fn starts(space: &Space) -> Vec<Vec<f64>> {
     let nominal = nominal.map(|(free, x)| (x - free.lower) / (free.upper - free.lower)).collect();
     let corners = [0.25, 0.75].map(|place| vec![place; space.free.len()]);
     std::iter::once(nominal).chain(corners).collect()
-}
-
-/// Bounds of the next round's points `(p,)`, as shares of the distance between the bounds of the parameters.
-fn window_around(fit: &Fit) -> Vec<(f64, f64)> {
-    let place = |(k, best): (usize, &f64)| {
-        let half = (WINDOW * fit.uncertainty(k)).max(SMALLEST_WINDOW);
-        ((best - half).max(0.0), (best + half).min(1.0))
-    };
-    fit.best.iter().enumerate().map(place).collect()
 }
 
 /// A point to be simulated.
@@ -114,13 +108,11 @@ struct DesignPoint {
 /// at their upper bound, so that every narrower spread is interpolated.
 fn design(space: &Space, window: &[(f64, f64)], count: usize, seed: u64) -> Vec<DesignPoint> {
     let d = space.inputs.dimension();
-    let mut laws = space.inputs.variables().to_vec();
-    for (low, high) in window {
-        let high = high.max(low + 1e-6);
-        laws.push(Distribution::uniform(*low, high).expect("the bounds of a window differ"));
-    }
-    let independent = GaussianCopula::new(laws.len(), &[]).expect("no correlations");
-    let all = Population::latin_hypercube(&InputModel::new(laws, independent), count, seed);
+    let uniform = |(low, high): &(f64, f64)| {
+        Distribution::uniform(*low, high.max(low + 1e-6)).expect("the bounds of a window differ")
+    };
+    let laws: Vec<_> = space.inputs.variables().iter().cloned().chain(window.iter().map(uniform)).collect();
+    let all = Population::latin_hypercube(&InputModel::from(&laws[..]), count, seed);
     let point = |j: usize| {
         let x = all.physical(j);
         let z = space.inputs.standardise(&x[..d]);
@@ -145,16 +137,16 @@ fn simulate(
     accuracy: Accuracy,
     progress: &mut dyn FnMut(usize, usize),
 ) -> Result<Vec<CalibrationPoint>, EvaluateError> {
-    let request = |(id, point): (u64, &DesignPoint)| Request::at(id, point.sample.clone(), accuracy);
-    let requests: Vec<Request> = (first_id..).zip(&points).map(request).collect();
+    let all = (first_id..).zip(&points);
+    let requests: Vec<_> = all.map(|(id, point)| Request::at(id, point.sample.clone(), accuracy)).collect();
     let mut done = 0;
     let (outcomes, end) = evaluator.outcomes(&requests, &mut |_| {
         done += 1;
         progress(done, requests.len());
     });
     end?;
-    let simulated = points.into_iter().zip(outcomes).filter_map(|(point, finished)| {
-        Some(CalibrationPoint { features: point.features, evaluation: finished?.outcome.ok()? })
-    });
-    Ok(simulated.collect())
+    let simulated = |(DesignPoint { features, .. }, finished): (DesignPoint, Option<Finished>)| {
+        Some(CalibrationPoint { features, evaluation: finished?.outcome.ok()? })
+    };
+    Ok(points.into_iter().zip(outcomes).filter_map(simulated).collect())
 }

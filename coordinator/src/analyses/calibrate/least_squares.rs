@@ -66,35 +66,30 @@ impl Fit {
 struct Point {
     /// Free numbers t `(p,)` [1].
     free: Vec<f64>,
+    /// Their places between the bounds `(p,)` [1].
+    places: Vec<f64>,
     /// Residuals times the square roots of their weights `(m,)`.
     residuals: Vec<f64>,
     /// Half the sum of their squares.
     value: f64,
 }
 
-impl Point {
-    fn places(&self) -> Vec<f64> {
-        self.free.iter().map(|t| place(*t)).collect()
-    }
-}
-
 impl<R: Fn(&[f64]) -> Vec<f64>> LeastSquares<R> {
     /// The best minimum from these starts `(starts)(p,)`, and its uncertainty.
     pub fn fit(&self, starts: &[Vec<f64>]) -> Fit {
         let best = self.minimise(starts);
-        let covariance = covariance(&self.jacobian(&best));
-        Fit { best, covariance }
+        Fit { covariance: covariance(&self.jacobian(&best)), best }
     }
 
     /// The places `(p,)` of the best minimum from these starts `(starts)(p,)`.
     pub fn minimise(&self, starts: &[Vec<f64>]) -> Vec<f64> {
         let minima = starts.iter().map(|start| self.descend(start));
-        minima.min_by(|a, b| a.value.total_cmp(&b.value)).map(|best| best.places()).unwrap_or_default()
+        minima.min_by(|a, b| a.value.total_cmp(&b.value)).map(|best| best.places).unwrap_or_default()
     }
 
     fn descend(&self, start: &[f64]) -> Point {
-        let free = start.iter().map(|place| logit(place.clamp(INSIDE, 1.0 - INSIDE))).collect();
-        let mut point = self.point(free);
+        let inside = start.iter().map(|place| place.clamp(INSIDE, 1.0 - INSIDE));
+        let mut point = self.point(inside.map(|place| (place / (1.0 - place)).ln()).collect());
         let mut damping = FIRST_DAMPING;
         for _ in 0..STEPS {
             let Some(next) = self.step(&point, &mut damping) else { break };
@@ -110,7 +105,12 @@ impl<R: Fn(&[f64]) -> Vec<f64>> LeastSquares<R> {
 
     /// The next point of a descent, or `None` if no damping gives a smaller value.
     fn step(&self, point: &Point, damping: &mut f64) -> Option<Point> {
-        let jacobian = self.free_jacobian(&point.places());
+        let places = &point.places;
+        // Of the weighted residuals with respect to the free numbers; du/dt = u (1 - u).
+        let jacobian = self.jacobian(places);
+        let jacobian = Mat::from_fn(jacobian.nrows(), jacobian.ncols(), |i, k| {
+            self.weights[i].sqrt() * jacobian[(i, k)] * (places[k] * (1.0 - places[k]))
+        });
         let residuals = Mat::from_fn(point.residuals.len(), 1, |i, _| point.residuals[i]);
         let normal = jacobian.transpose() * &jacobian;
         let gradient = jacobian.transpose() * residuals;
@@ -133,31 +133,23 @@ impl<R: Fn(&[f64]) -> Vec<f64>> LeastSquares<R> {
     }
 
     fn point(&self, free: Vec<f64>) -> Point {
-        let places: Vec<f64> = free.iter().map(|t| place(*t)).collect();
+        let places: Vec<f64> = free.iter().map(|t| 1.0 / (1.0 + (-t).exp())).collect();
         let residuals = (self.residuals)(&places);
         let residuals: Vec<f64> = residuals.iter().zip(&self.weights).map(|(r, w)| w.sqrt() * r).collect();
         let value = 0.5 * residuals.iter().map(|r| r * r).sum::<f64>();
-        Point { free, residuals, value }
-    }
-
-    /// Jacobian `(m, p)` of the weighted residuals with respect to the free numbers; du/dt = u (1 - u).
-    fn free_jacobian(&self, places: &[f64]) -> Mat<f64> {
-        let jacobian = self.jacobian(places);
-        let scale = |k: usize| places[k] * (1.0 - places[k]);
-        Mat::from_fn(jacobian.nrows(), jacobian.ncols(), |i, k| {
-            self.weights[i].sqrt() * jacobian[(i, k)] * scale(k)
-        })
+        Point { free, places, residuals, value }
     }
 
     /// Jacobian `(m, p)` of the residuals with respect to the places, by central differences within the bounds.
     fn jacobian(&self, places: &[f64]) -> Mat<f64> {
         let column = |k: usize| {
-            let (mut low, mut high) = (places.to_vec(), places.to_vec());
-            low[k] = (places[k] - DIFFERENCE).max(0.0);
-            high[k] = (places[k] + DIFFERENCE).min(1.0);
-            let (a, b) = ((self.residuals)(&low), (self.residuals)(&high));
-            let width = high[k] - low[k];
-            a.iter().zip(b).map(|(a, b)| (b - a) / width).collect::<Vec<f64>>()
+            let ends = [(places[k] - DIFFERENCE).max(0.0), (places[k] + DIFFERENCE).min(1.0)];
+            let [a, b] = ends.map(|end| {
+                let mut moved = places.to_vec();
+                moved[k] = end;
+                (self.residuals)(&moved)
+            });
+            a.iter().zip(b).map(|(a, b)| (b - a) / (ends[1] - ends[0])).collect::<Vec<f64>>()
         };
         let columns: Vec<Vec<f64>> = (0..places.len()).map(column).collect();
         Mat::from_fn(columns.first().map_or(0, Vec::len), places.len(), |i, k| columns[k][i])
@@ -175,14 +167,6 @@ fn covariance(jacobian: &Mat<f64>) -> Mat<f64> {
         Ok(factor) => factor.solve(Mat::<f64>::identity(p, p)),
         Err(_) => Mat::from_fn(p, p, |i, j| if i == j { 1.0 / 12.0 } else { 0.0 }),
     }
-}
-
-fn logit(place: f64) -> f64 {
-    (place / (1.0 - place)).ln()
-}
-
-fn place(t: f64) -> f64 {
-    1.0 / (1.0 + (-t).exp())
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::least_squares::{Fit, LeastSquares};
 use super::responses::ResponseSurrogates;
-use super::space::{FreeParameter, Space};
+use super::space::FreeParameter;
 use super::targets::Target;
 use crate::presentation::report::answer::{Answer, AnswerPart, Table};
 use crate::presentation::report::format::significant;
@@ -96,32 +96,27 @@ pub struct CalibrationResult {
 
 /// The result of the last round, with the numbers of all simulations and of those without a result.
 pub(super) fn result<R: Fn(&[f64]) -> Vec<f64>>(
-    space: &Space,
-    targets: &[Target],
     responses: &ResponseSurrogates<'_>,
     problem: &LeastSquares<R>,
     fit: &Fit,
     (simulations, failed): (usize, usize),
 ) -> CalibrationResult {
+    let ResponseSurrogates { space, targets, .. } = responses;
     let best = fit.best.as_slice();
     let residuals = (problem.residuals)(best);
     let chi_squared: f64 = residuals.iter().map(|r| r * r).sum();
     let freedom = targets.len().saturating_sub(best.len());
     let scale = if freedom > 0 { (chi_squared / freedom as f64).max(1.0).sqrt() } else { 1.0 };
     let values = space.parameters(best);
-    let parameter = |(k, free): (usize, &FreeParameter)| {
-        let width = free.upper - free.lower;
-        let std = fit.uncertainty(k);
-        FittedParameter {
-            name: free.name.clone(),
-            value: values[k],
-            uncertainty: (scale * std).min(1.0) * width,
-            unit: free.unit.clone(),
-            lower: free.lower,
-            upper: free.upper,
-            on_bound: best[k] < ON_BOUND || best[k] > 1.0 - ON_BOUND,
-            determined: std < OPEN / 12.0_f64.sqrt(),
-        }
+    let parameter = |(k, free): (usize, &FreeParameter)| FittedParameter {
+        name: free.name.clone(),
+        value: values[k],
+        uncertainty: (scale * fit.uncertainty(k)).min(1.0) * (free.upper - free.lower),
+        unit: free.unit.clone(),
+        lower: free.lower,
+        upper: free.upper,
+        on_bound: best[k] < ON_BOUND || best[k] > 1.0 - ON_BOUND,
+        determined: fit.uncertainty(k) < OPEN / 12.0_f64.sqrt(),
     };
     let p = best.len();
     let target = |(target, residual): (&Target, &f64)| FittedTarget {
@@ -152,83 +147,64 @@ fn conflicts<R: Fn(&[f64]) -> Vec<f64>>(
     best: &[f64],
     residuals: &[f64],
 ) -> Vec<Conflict> {
-    let missed = (0..targets.len()).filter(|i| residuals[*i].abs() > MISSED);
-    missed
-        .map(|i| {
-            let mut weights = vec![1.0; targets.len()];
-            weights[i] = FIRST;
-            let preferring = LeastSquares { residuals: &problem.residuals, weights };
-            let places = preferring.minimise(&[best.to_vec(), vec![0.5; best.len()]]);
-            let then = (problem.residuals)(&places);
-            let costs = (0..targets.len())
-                .filter(|j| *j != i && then[*j].abs() > MISSED && then[*j].abs() > residuals[*j].abs() + 0.5)
-                .map(|j| TargetCost(targets[j].name.clone(), residuals[j], then[j]))
-                .collect();
-            Conflict { target: targets[i].name.clone(), alone: then[i], costs }
-        })
-        .collect()
+    let conflict = |i: usize| {
+        let mut weights = vec![1.0; targets.len()];
+        weights[i] = FIRST;
+        let preferring = LeastSquares { residuals: &problem.residuals, weights };
+        let then = (problem.residuals)(&preferring.minimise(&[best.to_vec(), vec![0.5; best.len()]]));
+        let cost = |j: usize| {
+            let is_missed = j != i && then[j].abs() > MISSED && then[j].abs() > residuals[j].abs() + 0.5;
+            is_missed.then(|| TargetCost(targets[j].name.clone(), residuals[j], then[j]))
+        };
+        let costs = (0..targets.len()).filter_map(cost).collect();
+        Conflict { target: targets[i].name.clone(), alone: then[i], costs }
+    };
+    (0..targets.len()).filter(|i| residuals[*i].abs() > MISSED).map(conflict).collect()
 }
 
 /// The result for the scene of this name with its tables.
 pub fn answer(found: &CalibrationResult, scene: &str) -> Answer {
-    let counts = format!(
-        "{} simulations, {} of them failed; chi squared {:.2} for {} targets.",
-        found.simulations,
-        found.failed,
-        found.chi_squared,
-        found.targets.len()
-    );
+    let CalibrationResult { simulations, failed, parameters, chi_squared, .. } = found;
+    let (all, sum) = (found.targets.len(), format!("chi squared {chi_squared:.2}"));
+    let counts = format!("{simulations} simulations, {failed} of them failed; {sum} for {all} targets.");
     let caution = "Free parameters: fitted to the targets below, so results that follow from them alone are not predictions.";
-    let mut parts = vec![
+    let heading = "Correlations of the parameters' uncertainties";
+    let correlations = (parameters.len() > 1).then(|| AnswerPart::Notes(heading, correlations(found)));
+    let conflicts = found.conflicts.iter().map(|conflict| AnswerPart::Text(conflict_in_words(conflict)));
+    let parts = [
         AnswerPart::Text(counts),
         AnswerPart::Text(caution.to_owned()),
-        AnswerPart::Table(parameters(&found.parameters)),
+        AnswerPart::Table(parameters_table(parameters)),
         AnswerPart::Table(targets_table(&found.targets)),
     ];
-    if found.parameters.len() > 1 {
-        parts.push(AnswerPart::Notes("Correlations of the parameters' uncertainties", correlations(found)));
-    }
-    parts.extend(found.conflicts.iter().map(|conflict| AnswerPart::Text(conflict_in_words(conflict))));
     Answer {
         name: "calibration".to_owned(),
         title: format!("Calibration of {scene}"),
-        parts,
+        parts: parts.into_iter().chain(correlations).chain(conflicts).collect(),
         prints_markdown: true,
         ..Answer::default()
     }
 }
 
-fn parameters(parameters: &[FittedParameter]) -> Table {
+fn parameters_table(parameters: &[FittedParameter]) -> Table {
     let row = |p: &FittedParameter| {
-        let remark = match (p.determined, p.on_bound) {
-            (false, _) => "not determined by these targets",
-            (true, true) => "at a bound",
-            (true, false) => "",
-        };
-        let unit = &p.unit;
+        let place = if p.on_bound { "at a bound" } else { "" };
+        let remark = if p.determined { place } else { "not determined by these targets" };
         let [value, lower, upper] = [p.value, p.lower, p.upper].map(|x| significant(x, 5));
-        vec![
-            p.name.clone(),
-            format!("{value} {unit}"),
-            format!("{} {unit}", significant(p.uncertainty, 2)),
-            format!("{lower} to {upper} {unit}"),
-            remark.to_owned(),
-        ]
+        let texts = [value, significant(p.uncertainty, 2), format!("{lower} to {upper}")];
+        let [value, uncertainty, bounds] = texts.map(|text| format!("{text} {}", p.unit));
+        vec![p.name.clone(), value, uncertainty, bounds, remark.to_owned()]
     };
     Table::new("", ["parameter", "value", "uncertainty", "bounds", ""], parameters.iter().map(row))
 }
 
 fn targets_table(targets: &[FittedTarget]) -> Table {
     let row = |t: &FittedTarget| {
-        let shown = |si: f64, digits: usize| format!("{} {}", significant(si / t.unit_si, digits), t.unit);
-        vec![
-            t.name.clone(),
-            shown(t.target, 4),
-            shown(t.tolerance, 2),
-            shown(t.fitted, 4),
-            format!("{:+.1}", t.residual),
-            format!("{:.4}", t.q2),
-        ]
+        let shown =
+            |(si, digits): (f64, usize)| format!("{} {}", significant(si / t.unit_si, digits), t.unit);
+        let [target, tolerance, fitted] = [(t.target, 4), (t.tolerance, 2), (t.fitted, 4)].map(shown);
+        let (residual, q2) = (format!("{:+.1}", t.residual), format!("{:.4}", t.q2));
+        vec![t.name.clone(), target, tolerance, fitted, residual, q2]
     };
     let head = ["target", "value", "tolerance", "fitted", "residual", "surrogate's Q2"];
     Table::new("", head, targets.iter().map(row))
@@ -242,17 +218,16 @@ fn correlations(found: &CalibrationResult) -> Vec<String> {
 
 fn conflict_in_words(conflict: &Conflict) -> String {
     let mut text = format!("The target {} is missed.", conflict.target);
-    if conflict.alone.abs() > MISSED {
+    let Conflict { alone, costs, .. } = conflict;
+    if alone.abs() > MISSED {
         text += &format!(
-            " No parameters within the bounds meet it: the smallest residual is {:+.1} tolerances.",
-            conflict.alone
+            " No parameters within the bounds meet it: the smallest residual is {alone:+.1} tolerances."
         );
     }
-    if !conflict.costs.is_empty() {
-        let cost =
-            |TargetCost(name, before, then): &TargetCost| format!("{name} ({before:+.1} to {then:+.1})");
-        let costs: Vec<String> = conflict.costs.iter().map(cost).collect();
-        text += &format!(" If it takes precedence, other residuals increase: {}.", costs.join(", "));
+    if !costs.is_empty() {
+        let costs = costs.iter().map(|TargetCost(name, from, to)| format!("{name} ({from:+.1} to {to:+.1})"));
+        let costs = costs.collect::<Vec<_>>().join(", ");
+        text += &format!(" If it takes precedence, other residuals increase: {costs}.");
     }
     text
 }

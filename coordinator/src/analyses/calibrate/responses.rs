@@ -48,8 +48,8 @@ pub(super) struct CalibrationPoint {
 
 /// Surrogates of the responses of all targets.
 pub(super) struct ResponseSurrogates<'a> {
-    space: &'a Space,
-    targets: &'a [Target],
+    pub space: &'a Space,
+    pub targets: &'a [Target],
     surrogates: BTreeMap<Group, GroupSurrogate>,
     /// Standardised variables `(POPULATION)(d,)`.
     population: Population,
@@ -81,25 +81,17 @@ impl<'a> ResponseSurrogates<'a> {
         }
         let d = simulated.first().map_or(0, |point| point.features.len());
         let points = Mat::from_fn(d, simulated.len(), |k, i| simulated[i].features[k]);
-        let surrogates = columns
-            .into_par_iter()
-            .map(|(group, columns)| {
-                let rows: Vec<Vec<f64>> = simulated
-                    .iter()
-                    .map(|point| values(group, &columns, &point.evaluation, limits))
-                    .collect();
-                let table = Mat::from_fn(rows.len(), columns.len(), |i, o| rows[i][o]);
-                let training = TrainingSet {
-                    points: points.as_ref(),
-                    values: table.as_ref(),
-                    noise: None,
-                    is_exact: false,
-                };
-                let model = fit_surrogate(training, FormSettings::default(), None, Effort::MultiStart)?.model;
-                let q2 = model.leave_one_out(table.as_ref()).iter().map(|l| l.q2).fold(1.0, f64::min);
-                Ok((group, GroupSurrogate { columns, model, q2 }))
-            })
-            .collect::<Result<_, SurrogateError>>()?;
+        let fitted = |(group, columns): (Group, Vec<Column>)| {
+            let of_point = |point: &CalibrationPoint| values(group, &columns, &point.evaluation, limits);
+            let rows: Vec<Vec<f64>> = simulated.iter().map(of_point).collect();
+            let table = Mat::from_fn(rows.len(), columns.len(), |i, o| rows[i][o]);
+            let (points, values) = (points.as_ref(), table.as_ref());
+            let training = TrainingSet { points, values, noise: None, is_exact: false };
+            let model = fit_surrogate(training, FormSettings::default(), None, Effort::MultiStart)?.model;
+            let q2 = model.leave_one_out(values).iter().map(|l| l.q2).fold(1.0, f64::min);
+            Ok((group, GroupSurrogate { columns, model, q2 }))
+        };
+        let surrogates = columns.into_par_iter().map(fitted).collect::<Result<_, SurrogateError>>()?;
         let population = Population::latin_hypercube(&space.inputs, POPULATION, seed);
         Ok(Self { space, targets, surrogates, population })
     }
@@ -111,11 +103,9 @@ impl<'a> ResponseSurrogates<'a> {
         let placed = self.space.placed(parameters);
         let features: Vec<Vec<f64>> = samples.map(|z| placed.features(&placed.sample(z))).collect();
         let points = Mat::from_fn(features[0].len(), features.len(), |k, j| features[j][k]);
-        let predictions: BTreeMap<Group, Prediction> = self
-            .surrogates
-            .iter()
-            .map(|(group, surrogate)| (*group, surrogate.model.predict(points.as_ref())))
-            .collect();
+        let predicted =
+            |(group, fitted): (&Group, &GroupSurrogate)| (*group, fitted.model.predict(points.as_ref()));
+        let predictions: BTreeMap<Group, Prediction> = self.surrogates.iter().map(predicted).collect();
         self.targets.iter().map(|target| self.value(&target.quantity, &predictions)).collect()
     }
 
@@ -126,52 +116,36 @@ impl<'a> ResponseSurrogates<'a> {
     }
 
     fn value(&self, quantity: &TargetQuantity, predictions: &BTreeMap<Group, Prediction>) -> f64 {
-        let row = |group: Group, column: Column| -> (Vec<f64>, Group, usize) {
-            let place = self.surrogates[&group]
-                .columns
-                .iter()
-                .position(|other| *other == column)
-                .expect("a needed column");
-            let mean = &predictions[&group].mean;
-            ((0..=POPULATION).map(|j| mean[(place, j)]).collect(), group, place)
-        };
-        match quantity {
-            TargetQuantity::Output { statistic, output, n } => {
-                let (values, ..) = row(Group::Value(*output), Column::Checkpoint(*n));
-                let centre = mean(&values[..POPULATION]);
-                match statistic {
+        let limits = &self.space.scene().limit_states;
+        let mut survival = vec![1.0; POPULATION];
+        for (group, column) in needed(quantity, limits) {
+            let GroupSurrogate { columns, model, .. } = &self.surrogates[&group];
+            let place = columns.iter().position(|other| *other == column).expect("a needed column");
+            let Prediction { mean: means, variance_factor, .. } = &predictions[&group];
+            let Group::Largest(s) = group else {
+                let values: Vec<f64> = (0..POPULATION).map(|j| means[(place, j)]).collect();
+                let centre = mean(&values);
+                let TargetQuantity::Output { statistic, .. } = quantity else {
+                    return means[(place, POPULATION)];
+                };
+                return match statistic {
                     OutputStatistic::Mean => centre,
                     OutputStatistic::Std => {
-                        let squares: f64 = values[..POPULATION].iter().map(|y| (y - centre).powi(2)).sum();
+                        let squares: f64 = values.iter().map(|y| (y - centre).powi(2)).sum();
                         (squares / (POPULATION - 1) as f64).sqrt()
                     }
-                    OutputStatistic::Nominal => values[POPULATION],
-                }
-            }
-            TargetQuantity::PeakForce { joint } => row(Group::Forces, Column::Joint(*joint)).0[POPULATION],
-            TargetQuantity::Depth { joint, angle } => {
-                row(Group::Bore(*joint), Column::Angle(*angle)).0[POPULATION]
-            }
-            TargetQuantity::Reliability { limit_state, n } => {
-                let limits = &self.space.scene().limit_states;
-                let chosen = |s: &usize| limit_state.is_none_or(|chosen| chosen == *s);
-                let mut survival = vec![1.0; POPULATION];
-                for s in (0..limits.len()).filter(chosen) {
-                    let (values, group, place) = row(Group::Largest(s), Column::Checkpoint(*n));
-                    let (model, prediction) = (&self.surrogates[&group].model, &predictions[&group]);
-                    // The predicted probability of survival: smooth in the parameters, unbiased where the surrogate is uncertain.
-                    let noise = model.correlation().noise();
-                    for (j, survives) in survival.iter_mut().enumerate() {
-                        let variance = model.sigma2()[place] * (prediction.variance_factor[j] + noise);
-                        *survives *= standard_normal_cdf(
-                            (limits[s].response_threshold() - values[j])
-                                / variance.sqrt().max(f64::MIN_POSITIVE),
-                        );
-                    }
-                }
-                mean(&survival)
+                    OutputStatistic::Nominal => means[(place, POPULATION)],
+                };
+            };
+            // The predicted probability of survival: smooth in the parameters, unbiased where the surrogate is uncertain.
+            let noise = model.correlation().noise();
+            for (j, survives) in survival.iter_mut().enumerate() {
+                let std =
+                    (model.sigma2()[place] * (variance_factor[j] + noise)).sqrt().max(f64::MIN_POSITIVE);
+                *survives *= standard_normal_cdf((limits[s].response_threshold() - means[(place, j)]) / std);
             }
         }
+        mean(&survival)
     }
 }
 
@@ -184,9 +158,8 @@ fn needed(quantity: &TargetQuantity, limits: &[LimitState]) -> Vec<(Group, Colum
     match quantity {
         TargetQuantity::Output { output, n, .. } => vec![(Group::Value(*output), Column::Checkpoint(*n))],
         TargetQuantity::Reliability { limit_state, n } => {
-            let chosen =
-                limits.iter().enumerate().filter(|(s, _)| limit_state.is_none_or(|chosen| chosen == *s));
-            chosen.map(|(s, _)| (Group::Largest(s), Column::Checkpoint(*n))).collect()
+            let chosen = (0..limits.len()).filter(|s| limit_state.is_none_or(|chosen| chosen == *s));
+            chosen.map(|s| (Group::Largest(s), Column::Checkpoint(*n))).collect()
         }
         TargetQuantity::PeakForce { joint } => vec![(Group::Forces, Column::Joint(*joint))],
         TargetQuantity::Depth { joint, angle } => vec![(Group::Bore(*joint), Column::Angle(*angle))],

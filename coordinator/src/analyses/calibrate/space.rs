@@ -45,10 +45,7 @@ pub struct FreeParameter {
 impl FreeParameter {
     /// The keys of the scene of which it is the value; none of a factor.
     fn keys(&self) -> &[String] {
-        match &self.kind {
-            ParameterKind::Keys(keys) => keys,
-            ParameterKind::Mean(_) | ParameterKind::Spread(_) => &[],
-        }
+        if let ParameterKind::Keys(keys) = &self.kind { keys } else { &[] }
     }
 }
 
@@ -90,13 +87,10 @@ impl Space {
         let keyed = self.free.iter().zip(parameters);
         let keyed = keyed.flat_map(|(free, value)| free.keys().iter().map(|key| (key.clone(), *value)));
         // With values that give no valid scene nothing follows, and the simulations fail.
-        let inputs = self.own.variables_with(&keyed.collect::<Vec<_>>()).map_or_else(
-            |_| self.inputs.clone(),
-            |variables| {
-                let laws = variables.into_iter().map(|variable| variable.distribution).collect();
-                InputModel::new(laws, self.inputs.copula().clone())
-            },
-        );
+        let variables = self.own.variables_with(&keyed.collect::<Vec<_>>());
+        let laws = variables.map(|all| all.into_iter().map(|variable| variable.distribution).collect());
+        let copula = self.inputs.copula().clone();
+        let inputs = laws.map_or_else(|_| self.inputs.clone(), |laws| InputModel::new(laws, copula));
         PlacedSpace { space: self, parameters, inputs }
     }
 
@@ -148,11 +142,9 @@ impl PlacedSpace<'_> {
     /// deviations, and parameters from -1 to 1 over their bounds.
     pub fn features(&self, sample: &[f64]) -> Vec<f64> {
         let d = self.inputs.dimension();
-        let mut features = self.inputs.standardise(&sample[..d]);
         let keyed = self.space.free.iter().filter(|free| !free.keys().is_empty()).zip(&sample[d..]);
-        features
-            .extend(keyed.map(|(free, x)| (2.0 * x - free.lower - free.upper) / (free.upper - free.lower)));
-        features
+        let keyed = keyed.map(|(free, x)| (2.0 * x - free.lower - free.upper) / (free.upper - free.lower));
+        self.inputs.standardise(&sample[..d]).into_iter().chain(keyed).collect()
     }
 }
 

@@ -3,6 +3,7 @@
 use super::space::{FreeParameter, ParameterKind};
 use super::targets::{CalibrationTargets, OutputStatistic, Target, TargetQuantity};
 use crate::analyses::quantity::{ShownUnit, checkpoint, limit_state};
+use common::random::RandomVariable;
 use common::scene::quantity::{ANGLE, FORCE, Kind, LENGTH, NUMBER};
 use common::scene::{
     Fault, Faults, InputFile, JointKind, Range, Scene, SceneSource, Section, csv_rows, number_and_unit,
@@ -12,36 +13,13 @@ use std::path::Path;
 use toml::{Table, Value};
 
 /// Keys of a row of targets, of which each statistic needs some.
-const KEYS: [&str; 10] = [
-    "name",
-    "output",
-    "limit_state",
-    "joint",
-    "statistic",
-    "angle",
-    "cycles",
-    "value",
-    "profile",
-    "tolerance",
+const KEYS: [[&str; 5]; 2] = [
+    ["name", "output", "limit_state", "joint", "statistic"],
+    ["angle", "cycles", "value", "profile", "tolerance"],
 ];
 
-/// The words of `statistic`.
-#[derive(Clone, Copy, PartialEq)]
-enum Statistic {
-    Output(OutputStatistic, &'static str),
-    Reliability,
-    PeakForce,
-    Depth,
-}
-
-const STATISTICS: [(&str, Statistic); 6] = [
-    ("mean", Statistic::Output(OutputStatistic::Mean, "mean")),
-    ("std", Statistic::Output(OutputStatistic::Std, "std")),
-    ("nominal", Statistic::Output(OutputStatistic::Nominal, "nominal")),
-    ("reliability", Statistic::Reliability),
-    ("peak-force", Statistic::PeakForce),
-    ("depth", Statistic::Depth),
-];
+/// The words of `statistic`: three of outputs, and others.
+const STATISTICS: [&str; 6] = ["mean", "std", "nominal", "reliability", "peak-force", "depth"];
 
 /// Reads a file of targets for a scene; paths in it are relative to its folder.
 ///
@@ -57,34 +35,30 @@ pub fn read(file: &InputFile, source: &SceneSource) -> Result<CalibrationTargets
                 file.inconsistent(key, format!("at least one [[{key}]] is needed"));
             }
         }
-        let free =
-            file.rows("parameters").into_iter().filter_map(|(name, mut row)| reader.free(name, &mut row));
-        let free = free.collect();
-        let mut targets = file.unnamed_rows("targets");
-        let targets = targets.iter_mut().filter_map(|row| reader.target(row)).flatten().collect();
-        CalibrationTargets { free, targets }
+        let (free, mut targets) = (file.rows("parameters"), file.unnamed_rows("targets"));
+        CalibrationTargets {
+            free: free.into_iter().filter_map(|(name, mut row)| reader.free(name, &mut row)).collect(),
+            targets: targets.iter_mut().filter_map(|row| reader.target(row)).flatten().collect(),
+        }
     })
 }
 
 /// The error of a space of free parameters; a fault of the variable that represents one is that of the parameter in its file.
 pub fn of_parameters(file: &InputFile, targets: &CalibrationTargets, Faults(faults): Faults) -> Faults {
     let of_parameter = |fault: &Fault| {
-        let name =
-            &targets.free.iter().find(|free| fault.key.contains(&format!("variables.{}", free.name)))?.name;
+        let mut names = targets.free.iter().map(|free| &free.name);
+        let name = names.find(|name| fault.key.contains(&format!("variables.{name}")))?;
         Some((format!("parameters.{name}"), fault.kind.to_string()))
     };
-    let (own, other): (Vec<Fault>, Vec<Fault>) =
-        faults.into_iter().partition(|fault| of_parameter(fault).is_some());
-    let own = file.refuse_for(own.iter().filter_map(of_parameter)).err().map_or(vec![], |Faults(own)| own);
-    Faults([own, other].concat())
+    let own = file.refuse_for(faults.iter().filter_map(of_parameter)).err().map_or(vec![], |Faults(own)| own);
+    let others = faults.into_iter().filter(|fault| of_parameter(fault).is_none());
+    Faults(own.into_iter().chain(others).collect())
 }
 
 /// The table `[published]` of the reference file that a file of targets may name.
 fn published(file: &mut Section, folder: &Path) -> Table {
-    if file.get("reference").is_none() {
-        return Table::new();
-    }
-    let Some(name) = file.text("reference", "a file with a table [published]") else { return Table::new() };
+    let name = file.get("reference").and_then(|_| file.text("reference", "a file with a table [published]"));
+    let Some(name) = name else { return Table::new() };
     let read = InputFile::load(&folder.join(name)).map_err(|Faults(faults)| faults[0].to_string());
     let table = read.and_then(|read| match read.document().get("published") {
         Some(Value::Table(published)) => Ok(published.clone()),
@@ -103,8 +77,8 @@ struct TargetReader<'a> {
 
 impl TargetReader<'_> {
     fn free(&self, name: &str, row: &mut Section) -> Option<FreeParameter> {
-        let lists = ["changes", "mean_of", "spread_of"];
-        let given: Vec<&str> = lists.into_iter().filter(|key| row.get(key).is_some()).collect();
+        let mut given = vec!["changes", "mean_of", "spread_of"];
+        given.retain(|key| row.get(key).is_some());
         let written = ["lower", "upper"].map(|key| row.get(key));
         let (kind, of) = match given.as_slice() {
             ["changes"] => {
@@ -135,7 +109,7 @@ impl TargetReader<'_> {
         let unit = match kind {
             ParameterKind::Keys(_) if of.si.is_empty() => of.dimension.si_unit(),
             ParameterKind::Keys(_) => of.si.to_owned(),
-            ParameterKind::Mean(_) | ParameterKind::Spread(_) => String::new(),
+            _ => String::new(),
         };
         Some(FreeParameter { name: name.to_owned(), kind, lower, upper, unit })
     }
@@ -165,12 +139,9 @@ impl TargetReader<'_> {
         for key in keys {
             row.reference("changes", "quantity", key, known.keys().map(String::as_str));
             let owner = variables.iter().find(|variable| variable.changes.iter().any(|other| other == key));
-            if let Some(owner) = owner {
-                let what = format!(
-                    "\"{key}\" is what the random variable \"{0}\" changes: use mean_of = [\"{0}\"]",
-                    owner.name
-                );
-                row.inconsistent("changes", what);
+            if let Some(RandomVariable { name, .. }) = owner {
+                let what = format!("the random variable \"{name}\" changes: use mean_of = [\"{name}\"]");
+                row.inconsistent("changes", format!("\"{key}\" is what {what}"));
             }
         }
         keys.iter().find_map(|key| Some(known.get(*key)?.kind()))
@@ -179,7 +150,7 @@ impl TargetReader<'_> {
     /// The targets of a row: one, or one per line of its profile.
     fn target(&self, row: &mut Section) -> Option<Vec<Target>> {
         // Known keys, whatever statistic needs them.
-        for key in KEYS {
+        for key in KEYS.into_iter().flatten() {
             let _ = row.get(key);
         }
         row.finish();
@@ -189,63 +160,63 @@ impl TargetReader<'_> {
         }
         let found = self.quantity(row);
         let kind = found.as_ref().map(|(_, kind, _)| *kind);
-        let (value, tolerance) = (
-            self.number(row, "value", kind, Range::Any),
-            self.number(row, "tolerance", kind, Range::Positive),
-        );
-        let (quantity, _, label) = found?;
-        let (value, unit) = value?;
-        let at = row.get("cycles").and_then(Value::as_integer);
-        let label = at.map_or(label.clone(), |cycles| format!("{label} at {cycles}"));
-        let name = name.map_or(label, str::to_owned);
-        Some(vec![Target { name, quantity, value, tolerance: tolerance?.0, unit }])
+        let value = self.number(row, "value", kind, Range::Any);
+        let tolerance = self.number(row, "tolerance", kind, Range::Positive);
+        let ((quantity, _, mut label), (value, unit), (tolerance, _)) = (found?, value?, tolerance?);
+        if let Some(cycles) = row.get("cycles").and_then(Value::as_integer) {
+            label += &format!(" at {cycles}");
+        }
+        Some(vec![Target { name: name.map_or(label, str::to_owned), quantity, value, tolerance, unit }])
     }
 
     /// Quantity, kind of unit, and default name of a row without profile.
     fn quantity(&self, row: &mut Section) -> Option<(TargetQuantity, Kind, String)> {
-        let statistic = if row.get("limit_state").is_some() {
-            row.word_or("statistic", &STATISTICS, Statistic::Reliability)
-        } else {
-            row.word("statistic", &STATISTICS)
+        let words = STATISTICS.map(|word| (word, word));
+        let statistic = match row.get("limit_state") {
+            Some(_) => row.word_or("statistic", &words, "reliability"),
+            None => row.word("statistic", &words),
         };
-        match statistic? {
-            Statistic::Reliability => {
-                let limit = limit_state(row, self.scene);
-                let n = checkpoint(row, &self.scene.life, None).map_or(0, |(n, _)| n);
+        let Scene { joints, outputs, life, .. } = self.scene;
+        // After a fault it is read on with any checkpoint.
+        let at = |row: &mut Section| checkpoint(row, life, None).map_or(0, |(n, _)| n);
+        Some(match statistic? {
+            "reliability" => {
+                let (limit, n) = (limit_state(row, self.scene), at(row));
                 let (name, limit_state) = limit?;
-                Some((TargetQuantity::Reliability { limit_state, n }, NUMBER, format!("R {name}")))
+                (TargetQuantity::Reliability { limit_state, n }, NUMBER, format!("R {name}"))
             }
-            Statistic::PeakForce => {
+            "peak-force" => {
                 let joint = self.joint(row)?;
-                let label = format!("peak force in joint {}", self.scene.joints[joint].name);
-                Some((TargetQuantity::PeakForce { joint }, FORCE, label))
+                let label = format!("peak force in joint {}", joints[joint].name);
+                (TargetQuantity::PeakForce { joint }, FORCE, label)
             }
-            Statistic::Depth => {
+            "depth" => {
                 let (joint, angle) = (self.bore(row), row.quantity("angle", ANGLE, Range::Any));
                 let (joint, angle) = (joint?, angle?);
-                let name = &self.scene.joints[joint].name;
-                let label = format!("depth of bore {name} at {:.0} deg", angle.to_degrees());
-                Some((TargetQuantity::Depth { joint, angle }, LENGTH, label))
+                let label = format!("depth of bore {} at {:.0} deg", joints[joint].name, angle.to_degrees());
+                (TargetQuantity::Depth { joint, angle }, LENGTH, label)
             }
-            Statistic::Output(statistic, word) => {
-                let outputs = self.scene.outputs.iter().map(|output| output.name.as_str());
+            word => {
+                let statistic = match word {
+                    "mean" => OutputStatistic::Mean,
+                    "std" => OutputStatistic::Std,
+                    _ => OutputStatistic::Nominal,
+                };
                 let name = row.text("output", "the name of an output");
-                let output = name.and_then(|name| row.meant("output", "output", name, outputs));
-                let n = checkpoint(row, &self.scene.life, None);
-                // After a fault it is read on with any checkpoint.
-                let (output, n) = (output?, n.map_or(0, |(n, _)| n));
-                let quantity = TargetQuantity::Output { statistic, output, n };
-                let output = &self.scene.outputs[output];
-                Some((quantity, output.kind.unit().kind(), format!("{word} of {}", output.name)))
+                let names = outputs.iter().map(|output| output.name.as_str());
+                let output = name.and_then(|name| row.meant("output", "output", name, names));
+                let (n, output) = (at(row), output?);
+                let (unit, name) = (outputs[output].kind.unit(), &outputs[output].name);
+                (TargetQuantity::Output { statistic, output, n }, unit.kind(), format!("{word} of {name}"))
             }
-        }
+        })
     }
 
     /// Targets of a measured profile: per line of the file an angle [deg] and a depth in the unit of the tolerance. Lines
     /// that do not begin with a number are skipped as headings.
     fn profile(&self, name: Option<&str>, row: &mut Section) -> Option<Vec<Target>> {
-        let (joint, tolerance) =
-            (self.bore(row), self.number(row, "tolerance", Some(LENGTH), Range::Positive));
+        let joint = self.bore(row);
+        let tolerance = self.number(row, "tolerance", Some(LENGTH), Range::Positive);
         let path = self.folder.join(row.text("profile", "a CSV file of angles and depths")?);
         let text = read_text(&path).map_err(|faults| row.inconsistent("profile", faults.to_string())).ok()?;
         let (joint, (tolerance, unit)) = (joint?, tolerance?);
@@ -303,10 +274,8 @@ impl TargetReader<'_> {
         let written = row.get(key);
         if written.is_none() {
             let or = if key == "value" { ", or a profile instead of it" } else { "" };
-            row.missing(
-                key,
-                format!("{}{or}", kind.map_or_else(|| "a quantity".to_owned(), |kind| kind.in_words())),
-            );
+            let what = kind.map_or_else(|| "a quantity".to_owned(), |kind| kind.in_words());
+            row.missing(key, what + or);
         }
         let (written, kind) = (written?, kind?);
         let value = written.as_str().and_then(|name| self.published.get(name)).unwrap_or(written);

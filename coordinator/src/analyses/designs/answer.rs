@@ -116,17 +116,23 @@ pub fn refine(
 ) -> Result<Refined, AnalysisError> {
     let target = study.settings.targets().error;
     let before = outcomes.len();
-    let mut candidates = Vec::with_capacity(designs.len());
-    for values in designs {
+    let candidate = |values: &Vec<f64>| {
         let scene = study.space.scene_at(values)?;
-        candidates.push(RefinedDesign { scene, error: f64::INFINITY, is_exhausted: false });
-    }
+        Ok(RefinedDesign { scene, error: f64::INFINITY, is_exhausted: false })
+    };
+    let mut candidates: Vec<_> = designs.iter().map(candidate).collect::<Result<_, AnalysisError>>()?;
     loop {
         // Those that are above the target; all of them once none of these is left.
-        assess(study, &mut candidates, &outcomes, target)?;
-        if candidates.iter().all(|candidate| candidate.error <= target) {
+        for _ in 0..2 {
+            let mut first = None;
+            for candidate in candidates.iter_mut().filter(|candidate| candidate.error > target) {
+                let learned = study.assess(&candidate.scene, &outcomes, &mut first)?;
+                candidate.error = learned.assessment.errors.largest();
+            }
+            if candidates.iter().any(|candidate| candidate.error > target) {
+                break;
+            }
             candidates.iter_mut().for_each(|candidate| candidate.error = f64::INFINITY);
-            assess(study, &mut candidates, &outcomes, target)?;
         }
         let largest = candidates.iter().map(|candidate| candidate.error).fold(0.0, f64::max);
         let added = outcomes.len() - before;
@@ -137,32 +143,15 @@ pub fn refine(
         let Some(worst) = worst.filter(|_| left > 0) else {
             return Ok(Refined { added, largest_error: largest, target_error: target });
         };
-        let further = study.settings.batch.min(left);
-        let learning = FurtherLearning {
+        let known = simulate(&FurtherLearning {
             correction: None,
             changed: &candidates[worst].scene,
             studied: study.augmented,
             settings: study.settings,
             stored: &outcomes,
-            further,
-        };
-        let known = simulate(&learning)?;
+            further: study.settings.batch.min(left),
+        })?;
         candidates[worst].is_exhausted = known.len() == outcomes.len();
         outcomes = known;
     }
-}
-
-/// Assesses the candidates above the target.
-fn assess(
-    study: &DesignStudy<'_>,
-    candidates: &mut [RefinedDesign],
-    outcomes: &[StoredOutcome],
-    target: f64,
-) -> Result<(), AnalysisError> {
-    let mut first = None;
-    for candidate in candidates.iter_mut().filter(|candidate| candidate.error > target) {
-        let learned = study.assess(&candidate.scene, outcomes, &mut first)?;
-        candidate.error = learned.assessment.errors.largest();
-    }
-    Ok(())
 }

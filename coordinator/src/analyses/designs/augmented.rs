@@ -11,8 +11,9 @@
 //! simulations; the reliability of a design is computed with its own.
 
 use super::space::{DesignSpace, DesignVariable};
-use crate::analyses::scene_settings::{FIT_KEYS, row, rows, written_value};
-use common::random::{Correlation, RandomVariable};
+use crate::analyses::scene_settings::{FIT_KEYS, correlation_of, row, rows, write_values};
+use crate::analyses::setting::correlation_row;
+use common::random::RandomVariable;
 use common::scene::{Faults, Scene, SceneSource};
 use toml::{Table, Value};
 
@@ -46,17 +47,15 @@ impl DesignSpace {
     /// # Errors
     /// Its faults: a design variable whose range leads to a scene that is not valid together with the bounds of the others.
     pub fn augmented(&self) -> Result<SceneSource, Faults> {
-        let corners: Vec<Scene> =
-            self.corners().iter().map(|values| self.scene_at(values)).collect::<Result<_, _>>()?;
+        let corners = self.corners();
+        let corners = corners.iter().map(|values| self.scene_at(values)).collect::<Result<Vec<_>, _>>()?;
         let middle = self.scene_at(&self.middle())?;
         let ends = self.ends()?;
-        let envelopes: Vec<Envelope> =
-            (0..self.base.variables().len()).map(|k| envelope(k, &corners, &middle, &ends)).collect();
+        let variables = self.base.variables();
+        let envelopes: Vec<_> = (0..variables.len()).map(|k| envelope(k, &corners, &middle, &ends)).collect();
         let correlations = self.correlations(&envelopes, &middle);
         self.base.edited("--design", |document| {
-            for (variable, envelope) in
-                self.base.variables().iter().zip(&envelopes).filter(|(_, e)| !e.is_fixed)
-            {
+            for (variable, envelope) in variables.iter().zip(&envelopes).filter(|(_, e)| !e.is_fixed) {
                 if let Some(row) = row(document, &variable.name) {
                     write_envelope(row, variable, envelope);
                 }
@@ -75,7 +74,7 @@ impl DesignSpace {
     }
 
     /// For each design variable the scenes at both ends of its range, the others in the middle.
-    fn ends(&self) -> Result<Vec<[Scene; 2]>, Faults> {
+    pub(super) fn ends(&self) -> Result<Vec<[Scene; 2]>, Faults> {
         let at = |i: usize, end: f64| {
             let mut values = self.middle();
             values[i] = self.variables[i].at(end);
@@ -87,57 +86,38 @@ impl DesignSpace {
     /// Rows of correlations over all designs.
     fn correlations(&self, envelopes: &[Envelope], middle: &Scene) -> Vec<Value> {
         let d = middle.variables.len();
-        let own_coefficient = |k: usize, l: usize| {
-            let is_pair = |c: &&Correlation| [(c.first, c.second), (c.second, c.first)].contains(&(k, l));
-            middle.correlations.iter().find(is_pair).map_or(0.0, |c| c.coefficient)
-        };
         // Loadings on the design variables, in standard deviations.
-        let mut loadings: Vec<Vec<f64>> = envelopes
-            .iter()
-            .map(|e| {
-                let std = e.std();
-                let loading = |b: &f64| if std > 0.0 { b / 3f64.sqrt() / std } else { 0.0 };
-                e.slopes.iter().map(loading).collect()
-            })
-            .collect();
-        for (i, _) in self.variables.iter().enumerate().filter(|(_, design)| design.added.is_some()) {
-            loadings.push((0..self.variables.len()).map(|j| f64::from(u8::from(i == j))).collect());
-        }
-        let rest = |k: usize| {
-            envelopes.get(k).map_or(0.0, |e| if e.std() > 0.0 { e.own_std / e.std() } else { 0.0 })
+        let own = envelopes.iter().map(|e| {
+            let std = e.std();
+            let loading = |b: &f64| if std > 0.0 { b / 3f64.sqrt() / std } else { 0.0 };
+            e.slopes.iter().map(loading).collect()
+        });
+        let q = self.variables.len();
+        let added = (0..q).filter(|i| self.variables[*i].added.is_some());
+        let added = added.map(|i| (0..q).map(|j| f64::from(u8::from(i == j))).collect());
+        let loadings: Vec<Vec<f64>> = own.chain(added).collect();
+        let rest = |k: usize| envelopes.get(k).filter(|e| e.std() > 0.0).map_or(0.0, |e| e.own_std / e.std());
+        let row = |(k, l): (usize, usize)| {
+            let common: f64 = loadings[k].iter().zip(&loadings[l]).map(|(a, b)| a * b).sum();
+            let coefficient = MOST_CORRELATED * common + correlation_of(middle, k, l) * rest(k) * rest(l);
+            let names = [k, l].map(|k| middle.variables[k].name.as_str());
+            (coefficient.abs() > LEAST_CORRELATED)
+                .then(|| correlation_row(names, "coefficient", coefficient.into()))
         };
-        let mut rows = Vec::new();
-        for k in 0..d {
-            for l in k + 1..d {
-                let common: f64 = loadings[k].iter().zip(&loadings[l]).map(|(a, b)| a * b).sum();
-                let coefficient = MOST_CORRELATED * common + own_coefficient(k, l) * rest(k) * rest(l);
-                if coefficient.abs() > LEAST_CORRELATED {
-                    let names = [k, l].map(|k| Value::from(middle.variables[k].name.as_str()));
-                    let mut row = Table::new();
-                    row.insert("variables".to_owned(), Value::Array(names.to_vec()));
-                    row.insert("coefficient".to_owned(), Value::Float(coefficient));
-                    rows.push(Value::Table(row));
-                }
-            }
-        }
-        rows
+        (0..d).flat_map(|k| (k + 1..d).map(move |l| (k, l))).filter_map(row).collect()
     }
 }
 
 /// Moments of variable `k` of the scene over all designs.
 fn envelope(k: usize, corners: &[Scene], middle: &Scene, ends: &[[Scene; 2]]) -> Envelope {
     let law = |scene: &Scene| scene.variables[k].distribution.clone();
-    let all: Vec<_> =
-        corners.iter().chain(std::iter::once(middle)).chain(ends.iter().flatten()).map(law).collect();
-    let limits = all.iter().map(|law| law.limits());
-    let bounds =
-        limits.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (l, h)| (low.min(l), high.max(h)));
+    let mean = |scene: &Scene| law(scene).parent_mean();
+    let all: Vec<_> = corners.iter().chain([middle]).chain(ends.iter().flatten()).map(law).collect();
+    let wider = |(low, high): (f64, f64), (l, h): (f64, f64)| (low.min(l), high.max(h));
+    let bounds = all.iter().map(|law| law.limits()).fold((f64::INFINITY, f64::NEG_INFINITY), wider);
     Envelope {
-        slopes: ends
-            .iter()
-            .map(|[lower, upper]| 0.5 * (law(upper).parent_mean() - law(lower).parent_mean()))
-            .collect(),
-        mean: law(middle).parent_mean(),
+        slopes: ends.iter().map(|[lower, upper]| 0.5 * (mean(upper) - mean(lower))).collect(),
+        mean: mean(middle),
         own_std: all.iter().map(|law| law.given_std()).fold(0.0, f64::max),
         bounds,
         is_fixed: all.iter().all(|law| *law == all[0]),
@@ -152,7 +132,5 @@ fn write_envelope(row: &mut Table, variable: &RandomVariable, envelope: &Envelop
     row.insert("distribution".to_owned(), Value::from("truncated-normal"));
     let (lower, upper) = envelope.bounds;
     let values = [("mean", envelope.mean), ("std", envelope.std()), ("lower", lower), ("upper", upper)];
-    for (key, value) in values {
-        row.insert(key.to_owned(), written_value(value, &variable.unit));
-    }
+    write_values(row, &values, &variable.unit);
 }

@@ -1,7 +1,7 @@
 //! The best of several designs, and those that cannot be told from it.
 
 use super::answer::DesignAnswer;
-use crate::analyses::paired_results::{ChangeOfLife, PairedResults};
+use crate::analyses::paired_results::PairedResults;
 use crate::presentation::report::life::{LifeAt, life_at};
 use crate::statistics::reliability::paired::{Change, OtherErrors};
 use serde::Serialize;
@@ -37,43 +37,34 @@ pub struct Best {
     pub equal: Vec<usize>,
 }
 
-/// The curve of the whole system.
-const TOTAL: &str = "total";
-
 impl Objective {
     /// The objective of a design, and whether it is a lower bound; `None` where it is not known.
     fn value(self, answer: &DesignAnswer) -> Option<(f64, bool)> {
         match self {
-            Self::Life { level } => match life_at(&answer.summary, TOTAL, level) {
+            Self::Life { level } => match life_at(&answer.summary, "total", level) {
                 LifeAt::Cycles { life, .. } => Some((life, false)),
                 LifeAt::Beyond { end, .. } => Some((end, true)),
                 LifeAt::Unworn { .. } | LifeAt::Between { .. } => None,
             },
             Self::Reliability { cycles } => {
                 let row = answer.summary.reliability.iter().find(|row| row.cycles == cycles)?;
-                Some((*row.reliability.get(TOTAL)?, false))
+                Some((*row.reliability.get("total")?, false))
             }
         }
     }
 
     /// The change of the objective from `best` to `other` with its interval; `None` where it is not known.
     fn change(self, best: &DesignAnswer, other: &DesignAnswer) -> Option<Change> {
-        let paired = PairedResults::new(
-            best.first_failures.clone(),
-            other.first_failures.clone(),
-            OtherErrors::Independent,
-        );
+        let [before, after] = [best, other].map(|answer| answer.first_failures.clone());
+        let paired = PairedResults::new(before, after, OtherErrors::Independent);
         match self {
             Self::Life { level } => {
                 let rows = paired.lives(&best.summary, &other.summary);
-                let is_asked = |row: &&ChangeOfLife| {
-                    row.limit_state == TOTAL && row.reliability.to_bits() == level.to_bits()
-                };
-                rows.iter().find(is_asked)?.cycles
+                rows.iter().find(|row| row.is_of("total", level))?.cycles
             }
             Self::Reliability { cycles } => {
                 let rows = paired.reliability(&best.summary, &other.summary);
-                rows.iter().find(|row| row.cycles == cycles)?.change.get(TOTAL).copied()
+                rows.iter().find(|row| row.cycles == cycles)?.change.get("total").copied()
             }
         }
     }
@@ -83,19 +74,19 @@ impl Best {
     /// The best of the answers; `None` if the objective of none is known.
     pub fn among(answers: &[DesignAnswer], objective: Objective) -> Option<Self> {
         let values: Vec<Option<(f64, bool)>> = answers.iter().map(|answer| objective.value(answer)).collect();
-        let known = values.iter().enumerate().filter_map(|(i, value)| Some((i, (*value)?)));
+        let known =
+            values.iter().enumerate().filter_map(|(i, value)| value.map(|(value, is)| (i, value, is)));
         // The first of equal ones.
-        let (index, (value, is_bound)) =
-            known.reduce(|best, next| if next.1.0 > best.1.0 { next } else { best })?;
-        let is_equal = |i: &usize| {
-            *i == index
-                || match values[*i] {
-                    Some((_, true)) => is_bound,
-                    Some((_, false)) if !is_bound => objective
-                        .change(&answers[index], &answers[*i])
-                        .is_some_and(|change| change.upper.is_none_or(|upper| upper >= 0.0)),
-                    _ => false,
-                }
+        let (index, value, is_bound) =
+            known.reduce(|best, next| if next.1 > best.1 { next } else { best })?;
+        let is_equal = |i: &usize| match values[*i] {
+            _ if *i == index => true,
+            Some((_, true)) => is_bound,
+            Some((_, false)) if !is_bound => {
+                let change = objective.change(&answers[index], &answers[*i]);
+                change.is_some_and(|change| change.upper.is_none_or(|upper| upper >= 0.0))
+            }
+            _ => false,
         };
         let equal = (0..answers.len()).filter(is_equal).collect();
         Some(Self { objective, index, value, is_bound, equal })

@@ -1,6 +1,6 @@
 //! The design that the scene itself has, and how the distributions of its random variables follow the design variables.
 
-use super::space::DesignSpace;
+use super::space::{DesignSpace, DesignVariable};
 use common::scene::{Faults, Scene, SceneSource};
 
 /// Relative deviation of a moment from a straight line over the range of a design variable that counts as none [1].
@@ -30,18 +30,19 @@ impl DesignSpace {
     pub fn present(&self, settings: &[String]) -> Result<(SceneSource, Vec<String>), Faults> {
         let space = self.only_quantities();
         let mut others = settings.to_vec();
-        let mut values = Vec::with_capacity(space.variables.len());
-        for variable in &space.variables {
+        let value = |variable: &DesignVariable| {
             let is_own =
                 |setting: &String| setting.split_once('=').is_some_and(|(key, _)| key.trim() == variable.key);
-            let set = others.iter().position(is_own).map(|i| others.remove(i));
-            let set = set.map(|setting| self.base.parse_setting(&setting)).transpose()?;
-            let si = set.map(|(_, si)| si).or_else(|| self.base.quantity(&variable.key));
+            let si = match others.iter().position(is_own).map(|i| others.remove(i)) {
+                Some(setting) => Some(self.base.parse_setting(&setting)?.1),
+                None => self.base.quantity(&variable.key),
+            };
             // Units have factors; none has an offset.
             let (_, unit) = self.base.parse_setting(&variable.setting(1.0))?;
             let value = si.map_or_else(|| variable.at(0.5), |si| si / unit);
-            values.push(format!("{value:.12e}").parse().unwrap_or(value));
-        }
+            Ok(format!("{value:.12e}").parse().unwrap_or(value))
+        };
+        let values: Vec<f64> = space.variables.iter().map(value).collect::<Result<_, Faults>>()?;
         Ok((space.with_constants(&values)?, others))
     }
 
@@ -53,7 +54,7 @@ impl DesignSpace {
 
     /// The keys of those design variables that are quantities of the scene, with the random variable, an index and a name, that
     /// stands for each in the augmented scene, and the range.
-    pub fn quantities(&self) -> Vec<(&super::DesignVariable, usize, &str)> {
+    pub fn quantities(&self) -> Vec<(&DesignVariable, usize, &str)> {
         let first = self.base.variables().len();
         let named = self.variables.iter().filter_map(|variable| Some((variable, variable.added.as_deref()?)));
         named.enumerate().map(|(i, (variable, name))| (variable, first + i, name)).collect()
@@ -66,45 +67,26 @@ impl DesignSpace {
     pub fn followers(&self) -> Result<Vec<Follower>, Faults> {
         let space = self.only_quantities();
         let middle = space.scene_at(&space.middle())?;
+        let moments = |scene: &Scene, k: usize| {
+            let law = &scene.variables[k].distribution;
+            [law.parent_mean(), law.given_std()]
+        };
         let mut found = Vec::new();
-        for (i, (design, leader, _)) in space.quantities().into_iter().enumerate() {
-            let at = |t: f64| -> Result<Scene, Faults> {
-                let mut values = space.middle();
-                values[i] = design.at(t);
-                space.scene_at(&values)
-            };
-            let (low, high) = (at(0.0)?, at(1.0)?);
-            let range = mean(&high, leader) - mean(&low, leader);
+        for ((_, leader, _), [low, high]) in space.quantities().into_iter().zip(space.ends()?) {
+            let range = moments(&high, leader)[0] - moments(&low, leader)[0];
             for variable in 0..space.base.variables().len() {
-                let [along_mean, along_std] = [mean, std].map(|of| {
-                    let (a, b, c) = (of(&low, variable), of(&middle, variable), of(&high, variable));
-                    let scale = a.abs().max(c.abs());
-                    (
-                        (c - a) / range,
-                        (0.5 * (a + c) - b).abs() <= STRAIGHT * scale,
-                        (c - a).abs() > STRAIGHT * scale,
-                    )
+                let [a, b, c] = [&low, &middle, &high].map(|scene| moments(scene, variable));
+                let [along_mean, along_std] = [0, 1].map(|i| {
+                    let (a, b, c) = (a[i], b[i], c[i]);
+                    let least = STRAIGHT * a.abs().max(c.abs());
+                    ((c - a) / range, (0.5 * (a + c) - b).abs() <= least, (c - a).abs() > least)
                 });
                 if along_mean.2 || along_std.2 {
-                    let is_straight = along_mean.1 && along_std.1;
-                    found.push(Follower {
-                        leader,
-                        variable,
-                        mean: along_mean.0,
-                        std: along_std.0,
-                        is_straight,
-                    });
+                    let (mean, std, is_straight) = (along_mean.0, along_std.0, along_mean.1 && along_std.1);
+                    found.push(Follower { leader, variable, mean, std, is_straight });
                 }
             }
         }
         Ok(found)
     }
-}
-
-fn mean(scene: &Scene, k: usize) -> f64 {
-    scene.variables[k].distribution.parent_mean()
-}
-
-fn std(scene: &Scene, k: usize) -> f64 {
-    scene.variables[k].distribution.given_std()
 }

@@ -3,7 +3,7 @@
 use super::answer::{DesignAnswer, Refined};
 use super::best::{Best, Objective};
 use super::figures::figures;
-use super::space::DesignSpace;
+use super::space::{DesignSpace, DesignVariable};
 use crate::analyses::paired_results::curve_names;
 use crate::presentation::report::compare::{CURVE_COLUMNS, curve_cells};
 use crate::presentation::report::format::{count, percent, rounded_cycles, three_digits};
@@ -13,7 +13,8 @@ use crate::presentation::report::life::{
 use crate::presentation::report::{Answer, AnswerPart, ComparedStudy, Table};
 use crate::results::csv_table::{CsvTable, number};
 use crate::results::summary::StudySummary;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
+use std::collections::BTreeSet;
 
 /// Most designs in the table of a terminal.
 const ROWS: usize = 16;
@@ -41,9 +42,7 @@ impl DesignReport<'_> {
     /// The values of a design by key.
     fn design(&self, index: usize) -> Value {
         let values = self.space.variables().iter().zip(&self.answers[index].values);
-        Value::Object(
-            values.map(|(variable, value)| (variable.key.clone(), json!(value))).collect::<Map<_, _>>(),
-        )
+        values.map(|(variable, value)| (variable.key.clone(), json!(value))).collect()
     }
 
     /// The values of a design in words.
@@ -66,13 +65,10 @@ pub fn json(report: &DesignReport<'_>) -> Value {
         })
     };
     let first = &report.answers[0].summary;
-    let best = report.best.as_ref().map(|best| {
-        let equal: Vec<Value> = best.equal.iter().map(|i| report.design(*i)).collect();
+    let best = report.best.as_ref().map(|Best { index, objective, value, is_bound, equal }| {
+        let equal: Vec<Value> = equal.iter().map(|i| report.design(*i)).collect();
         json!({
-            "design": report.design(best.index),
-            "objective": best.objective,
-            "value": best.value,
-            "is_lower_bound": best.is_bound,
+            "design": report.design(*index), "objective": objective, "value": value, "is_lower_bound": is_bound,
             "equal_within_errors": equal,
         })
     });
@@ -94,61 +90,51 @@ pub fn json(report: &DesignReport<'_>) -> Value {
 
 /// The answers with their tables, sentences and figures.
 pub fn answer(report: &DesignReport<'_>) -> Answer {
-    let last = report.answers.len() - 1;
-    let mut drawn = vec![0, last / 2, last];
-    drawn.extend(report.best.as_ref().map(|best| best.index));
-    drawn.sort_unstable();
-    drawn.dedup();
-    let curve =
-        |i: usize| ComparedStudy { name: report.in_words(i), summary: report.answers[i].summary.clone() };
-    let best = report.best.as_ref().map(|best| AnswerPart::Text(best_in_words(report, best)));
-    let rest = [
-        AnswerPart::Figures,
-        AnswerPart::Table(table(report)),
-        AnswerPart::Notes("Errors", sentences(report)),
-    ];
+    let DesignReport { space, answers, best, .. } = report;
+    let last = answers.len() - 1;
+    let drawn: BTreeSet<usize> =
+        [0, last / 2, last].into_iter().chain(best.as_ref().map(|best| best.index)).collect();
+    let curve = |i: usize| ComparedStudy { name: report.in_words(i), summary: answers[i].summary.clone() };
+    let text = best.as_ref().map(|best| AnswerPart::Text(best_in_words(report, best)));
+    let (table, notes) = (AnswerPart::Table(table(report)), AnswerPart::Notes("Errors", sentences(report)));
     Answer {
         name: "designs".to_owned(),
         title: "Designs".to_owned(),
-        subtitle: format!("Scene: {}", report.answers[0].summary.scene),
-        parts: best.into_iter().chain(rest).collect(),
-        figures: figures(report.space, report.answers, report.best.as_ref()),
+        subtitle: format!("Scene: {}", answers[0].summary.scene),
+        parts: text.into_iter().chain([AnswerPart::Figures, table, notes]).collect(),
+        figures: figures(space, answers, best.as_ref()),
         curves: if drawn.len() > 1 { drawn.into_iter().map(curve).collect() } else { vec![] },
-        files: vec![("designs.csv".to_owned(), csv(report.space, report.answers))],
+        files: vec![("designs.csv".to_owned(), csv(space, answers))],
         ..Answer::default()
     }
 }
 
 /// The designs with their reliability or lives; of more than [`ROWS`] a terminal shows those at the front of the order of the best.
 fn table(report: &DesignReport<'_>) -> Table {
-    let all = report.answers.len();
+    let DesignReport { space, answers, objective, .. } = report;
+    let all = answers.len();
     let mut order: Vec<usize> = (0..all).collect();
-    let value = |i: &usize| Best::among(&report.answers[*i..=*i], report.objective).map_or(0.0, |b| b.value);
+    let value = |i: &usize| Best::among(&answers[*i..=*i], *objective).map_or(0.0, |b| b.value);
     order.sort_by(|a, b| value(b).total_cmp(&value(a)));
     order.truncate(ROWS);
     let note = format!("({ROWS} of {all} designs, the best first; --json and --out have all)");
-    let cycles = match report.objective {
-        Objective::Reliability { cycles } => Some(cycles),
-        Objective::Life { .. } => None,
-    };
-    let is_static = report.answers[0].summary.is_static();
-    let labels = report.space.variables().iter().map(super::DesignVariable::label);
+    let cycles = if let Objective::Reliability { cycles } = objective { Some(*cycles) } else { None };
+    let levels = if answers[0].summary.is_static() { &[] } else { &LEVELS[..] };
     let at = cycles.map(|cycles| format!("R({cycles}) (95 %)"));
-    let lives = LEVELS.map(|level| format!("life at R = {level} (95 %)"));
-    let first = (report.answers[0].summary.limit_states.len() > 1).then(|| "fails first by".to_owned());
-    let row = |i: usize| {
-        let DesignAnswer { values, summary, .. } = &report.answers[i];
-        let life = |level: f64| life_with_limits(life_at(summary, "total", level));
+    let lives = levels.iter().map(|level| format!("life at R = {level} (95 %)"));
+    let first = (answers[0].summary.limit_states.len() > 1).then(|| "fails first by".to_owned());
+    let head =
+        space.variables().iter().map(DesignVariable::label).chain(at).chain(lives).chain(first.clone());
+    let row = |DesignAnswer { values, summary, .. }: &DesignAnswer| {
         let at = cycles.map(|cycles| {
             let row = summary.reliability.iter().find(|row| row.cycles == cycles);
             row.map_or(String::new(), |row| reliability(row, "total"))
         });
         let values = values.iter().map(ToString::to_string);
-        let lives = LEVELS.into_iter().filter(|_| !is_static).map(life);
+        let lives = levels.iter().map(|level| life_with_limits(life_at(summary, "total", *level)));
         values.chain(at).chain(lives).chain(first.iter().map(|_| leader(summary))).collect()
     };
-    let head = labels.chain(at).chain(lives.into_iter().filter(|_| !is_static)).chain(first.clone());
-    let table = Table::new("", head, (0..all).map(row));
+    let table = Table::new("", head, answers.iter().map(row));
     Table { shown: (all > ROWS).then_some((order, note)), ..table }
 }
 
@@ -161,42 +147,31 @@ fn leader(summary: &StudySummary) -> String {
 
 /// The errors of the answers.
 fn sentences(report: &DesignReport<'_>) -> Vec<String> {
-    let mut all = Vec::new();
-    let (simulations, for_designs) = report.simulations;
-    let population = report.answers[0].summary.population;
-    all.push(format!(
+    let DesignReport { answers, refined, simulations: (simulations, for_designs), command, .. } = report;
+    let mut all = vec![format!(
         "Answered from {} simulations over random and design variables together, {} of them added where the reliability of \
          single designs was uncertain, with a population of {} per design.",
-        count(simulations as u64),
-        if for_designs == 0 { "none".to_owned() } else { count(for_designs as u64) },
-        count(population as u64)
-    ));
-    if report.answers.len() > 1 {
-        all.push(
-            "The populations of all designs are made from the same random numbers, so the sampling error of a difference is \
-             smaller than that of its two values."
-                .to_owned(),
-        );
+        count(*simulations as u64),
+        if *for_designs == 0 { "none".to_owned() } else { count(*for_designs as u64) },
+        count(answers[0].summary.population as u64)
+    )];
+    if answers.len() > 1 {
+        let note = "The populations of all designs are made from the same random numbers, so the sampling error of a difference \
+                    is smaller than that of its two values.";
+        all.push(note.to_owned());
     }
-    if !report.refined.is_reached() {
+    if !refined.is_reached() {
+        let [largest, target] = [refined.largest_error, refined.target_error].map(three_digits);
         all.push(format!(
-            "The estimated surrogate error of R is up to {} (a study stops at {}); more simulations where it arises reduce it: \
-             {} --refine 20",
-            three_digits(report.refined.largest_error),
-            three_digits(report.refined.target_error),
-            report.command
+            "The estimated surrogate error of R is up to {largest} (a study stops at {target}); more simulations where it \
+             arises reduce it: {command} --refine 20"
         ));
     }
-    let mut unresolved = report
-        .answers
-        .iter()
-        .enumerate()
-        .filter_map(|(i, answer)| Some((i, unresolved_fall(&answer.summary)?)));
+    let answers = answers.iter().enumerate();
+    let mut unresolved = answers.filter_map(|(i, answer)| Some((i, unresolved_fall(&answer.summary)?)));
     if let Some((first, note)) = unresolved.next() {
-        let more = match unresolved.count() {
-            0 => String::new(),
-            more => format!(", and in the same way {more} more"),
-        };
+        let more = unresolved.count();
+        let more = if more == 0 { String::new() } else { format!(", and in the same way {more} more") };
         all.push(format!("Caution, design {}{more}: {note}", report.in_words(first)));
     }
     all
@@ -219,19 +194,14 @@ fn best_in_words(report: &DesignReport<'_>, best: &Best) -> String {
     let mut text = format!("{what}: {value} at {}.", report.in_words(best.index));
     let equal = best.equal.len() - 1;
     if equal > 0 {
-        let others: Vec<usize> = best.equal.iter().copied().filter(|i| *i != best.index).collect();
-        let named: Vec<String> = others.iter().take(4).map(|i| report.in_words(*i)).collect();
+        let others = best.equal.iter().filter(|i| **i != best.index);
+        let named: Vec<String> = others.take(4).map(|i| report.in_words(*i)).collect();
         let more = if equal > 4 { format!(" and {} others", equal - 4) } else { String::new() };
         text += &format!(" Not worse within the errors: {}{more}.", named.join("; "));
     }
-    let at_end: Vec<&str> = report
-        .space
-        .variables()
-        .iter()
-        .zip(&report.answers[best.index].values)
-        .filter(|(variable, value)| [variable.lower, variable.upper].contains(value))
-        .map(|(variable, _)| variable.key.as_str())
-        .collect();
+    let values = report.space.variables().iter().zip(&report.answers[best.index].values);
+    let at_end = values.filter(|(variable, value)| [variable.lower, variable.upper].contains(value));
+    let at_end: Vec<&str> = at_end.map(|(variable, _)| variable.key.as_str()).collect();
     if !at_end.is_empty() && report.answers.len() > 1 {
         text += &format!(" It lies at the end of the range of {}.", at_end.join(", "));
     }
@@ -241,7 +211,7 @@ fn best_in_words(report: &DesignReport<'_>, best: &Best) -> String {
 /// One row per design, curve and checkpoint: the values of the design variables, `limit_state`, `cycles`, `R`, `standard_error`,
 /// and the 95 % interval `lower`, `upper`.
 fn csv(space: &DesignSpace, answers: &[DesignAnswer]) -> String {
-    let labels = space.variables().iter().map(super::DesignVariable::label);
+    let labels = space.variables().iter().map(DesignVariable::label);
     let mut table = CsvTable::new(labels.chain(CURVE_COLUMNS.map(str::to_owned)));
     for answer in answers {
         let values: Vec<String> = answer.values.iter().map(|value| number(*value)).collect();

@@ -34,10 +34,10 @@ impl DesignSpace {
     /// # Errors
     /// Ranges that cannot be read, unknown keys, and designs at the ends of the ranges whose scene is not valid.
     pub fn new(base: SceneSource, ranges: &[String]) -> Result<Self, Faults> {
-        let read = ranges.iter().map(|range| DesignVariable::parse(range));
         let mut faults = Vec::new();
-        let variables =
-            read.filter_map(|read| read.map_err(|Faults(found)| faults.extend(found)).ok()).collect();
+        let mut read =
+            |range: &String| DesignVariable::parse(range).map_err(|Faults(found)| faults.extend(found)).ok();
+        let variables = ranges.iter().filter_map(&mut read).collect();
         if faults.is_empty() { Self::of_variables(base, variables) } else { Err(Faults(faults)) }
     }
 
@@ -54,10 +54,9 @@ impl DesignSpace {
             let message = format!("{} design variables; at most {MOST} are allowed", variables.len());
             return Err(Faults::one("--design", "", message));
         }
-        let twice =
-            variables.iter().enumerate().find(|(i, v)| variables[..*i].iter().any(|w| w.key == v.key));
-        if let Some((_, twice)) = twice {
-            return Err(Faults::one("--design", &twice.key, "this key has two ranges"));
+        let keys: Vec<&str> = variables.iter().map(|variable| variable.key.as_str()).collect();
+        if let Some(i) = (0..keys.len()).find(|i| keys[..*i].contains(&keys[*i])) {
+            return Err(Faults::one("--design", keys[i], "this key has two ranges"));
         }
         let mut names: Vec<String> = base.variables().iter().map(|variable| variable.name.clone()).collect();
         for variable in variables.iter_mut().filter(|variable| is_scene_quantity(&base, &variable.key)) {
@@ -91,8 +90,8 @@ impl DesignSpace {
     /// # Errors
     /// The faults of the design.
     pub fn source_at(&self, values: &[f64]) -> Result<SceneSource, Faults> {
-        let settings: Vec<String> =
-            self.variables.iter().zip(values).map(|(variable, value)| variable.setting(*value)).collect();
+        let settings = self.variables.iter().zip(values);
+        let settings = settings.map(|(variable, value)| variable.setting(*value)).collect::<Vec<_>>();
         scene_with(&self.base, &settings)
     }
 
@@ -105,10 +104,10 @@ impl DesignSpace {
         let constant = |(variable, value): (&DesignVariable, &f64)| {
             variable.row(&[("distribution", Value::from("constant")), ("mean", variable.written(*value))])
         };
-        let constants: Vec<Value> = self.variables.iter().zip(values).filter_map(constant).collect();
-        if constants.is_empty() {
+        if self.variables.iter().all(|variable| variable.added.is_none()) {
             return Ok(design);
         }
+        let constants = self.variables.iter().zip(values).filter_map(constant);
         design.edited("--design", |document| rows(document, "variables").extend(constants))
     }
 
@@ -122,10 +121,8 @@ impl DesignSpace {
 
     /// The values of a design in words, e.g. `parameters.clearance = 18 um`.
     pub fn in_words(&self, values: &[f64]) -> String {
-        let words = self.variables.iter().zip(values);
-        let words: Vec<String> =
-            words.map(|(v, value)| format!("{} = {}", v.key, v.with_unit(*value))).collect();
-        words.join(", ")
+        let word = |(v, value): (&DesignVariable, &f64)| format!("{} = {}", v.key, v.with_unit(*value));
+        self.variables.iter().zip(values).map(word).collect::<Vec<_>>().join(", ")
     }
 
     /// The values of one design `(q,)`, given as `KEY=VALUE` for every design variable in any order.
@@ -137,25 +134,18 @@ impl DesignSpace {
         let keys = || self.variables.iter().map(|v| v.key.as_str()).collect::<Vec<_>>().join(", ");
         let mut values = vec![None; self.variables.len()];
         for setting in settings {
-            let (key, value) =
-                setting.split_once('=').map_or((setting.trim(), ""), |(k, v)| (k.trim(), v.trim()));
-            let Some(i) = self.variables.iter().position(|variable| variable.key == key) else {
+            let (key, value) = setting.split_once('=').unwrap_or((setting, ""));
+            let Some(i) = self.variables.iter().position(|variable| variable.key == key.trim()) else {
                 return Err(refuse(setting, format!("the design variables of this study are {}", keys())));
             };
-            let variable = &self.variables[i];
-            let value = number_and_unit(value)
-                .filter(|(_, unit)| *unit == variable.unit)
-                .map(|(value, _)| value)
-                .filter(|value| (variable.lower..=variable.upper).contains(value));
-            let allowed = format!(
-                "allowed: {} to {}",
-                variable.with_unit(variable.lower),
-                variable.with_unit(variable.upper)
-            );
-            values[i] = Some(value.ok_or_else(|| refuse(setting, allowed))?);
+            let variable @ DesignVariable { lower, upper, unit, .. } = &self.variables[i];
+            let is_allowed = |(value, of): &(f64, &str)| of == unit && (*lower..=*upper).contains(value);
+            let value = number_and_unit(value.trim()).filter(is_allowed).map(|(value, _)| value);
+            let range = [*lower, *upper].map(|end| variable.with_unit(end)).join(" to ");
+            values[i] = Some(value.ok_or_else(|| refuse(setting, format!("allowed: {range}")))?);
         }
-        let all: Option<Vec<f64>> = values.into_iter().collect();
-        all.ok_or_else(|| refuse("", format!("a design has a value for each of {}", keys())))
+        let missing = || refuse("", format!("a design has a value for each of {}", keys()));
+        values.into_iter().collect::<Option<_>>().ok_or_else(missing)
     }
 
     /// Ends of the ranges in all combinations `(2^q)(q,)`.
@@ -170,16 +160,11 @@ impl DesignSpace {
 
     /// A grid of `points` >= 2 values per variable with both ends `(points^q)(q,)`, the first variable varying slowest.
     pub fn grid(&self, points: usize) -> Vec<Vec<f64>> {
-        let mut grid = vec![vec![]];
-        for variable in &self.variables {
+        self.variables.iter().fold(vec![vec![]], |grid, variable| {
             let values = (0..points).map(|i| variable.at(i as f64 / (points - 1) as f64));
-            let values: Vec<f64> = values.collect();
-            let longer = |row: &Vec<f64>| {
-                values.iter().map(|value| [row.as_slice(), &[*value]].concat()).collect::<Vec<_>>()
-            };
-            grid = grid.iter().flat_map(longer).collect();
-        }
-        grid
+            let longer = |row: &Vec<f64>| values.clone().map(|value| [&row[..], &[value]].concat()).collect();
+            grid.iter().flat_map::<Vec<_>, _>(longer).collect()
+        })
     }
 }
 

@@ -6,7 +6,7 @@
 
 use super::population::WeightedPopulation;
 use super::result::{DataValue, LearnSettings};
-use crate::analyses::update::{FleetData, Observable, ObservedUnit, Quantity};
+use crate::analyses::update::{FleetData, Observable, Observation, ObservedUnit, Quantity};
 use crate::statistics::design::{Stream, open_stream};
 use crate::statistics::updating::{CurveDraws, ParameterSpace};
 use common::random::Distribution;
@@ -81,27 +81,21 @@ pub fn values_of(
     let mut outputs: Vec<usize> = scene.limit_states.iter().map(|limit| limit.output).collect();
     outputs.dedup();
     for output in outputs {
-        let limit =
-            scene.limit_states.iter().find(|limit| limit.output == output).expect("its own limit state");
+        let mut limits = scene.limit_states.iter().filter(|limit| limit.output == output);
+        let limit = limits.next().expect("its own limit state");
         let error = stated_error(&data.units, output).unwrap_or(OUTPUT_ERROR * limit.scale());
         for life in INSPECTED_AT.map(|share| nearest(share * median)) {
             let words = format!("{} of {UNITS} more units at {life:.0} cycles", scene.outputs[output].name);
             kinds.push((words, Kind::Inspections { output, life, error }));
         }
     }
-    for (place, variable) in
-        source.space.variables.iter().enumerate().filter(|(_, v)| !designs.contains(&v.index))
-    {
-        let words = format!("{UNITS} measured values of {}", scene.variables[variable.index].name);
-        kinds.push((words, Kind::Values(place)));
-    }
-    let narrowing = |kind: &Kind| -> Vec<f64> {
-        let one = |number: u32| {
-            let mut rng = open_stream(settings.units.seed, Stream::Parameters(1000 + number));
-            let weights = source.weights_after(kind, &before, &mut rng);
-            1.0 - width(&weights) / now
-        };
-        (0..DATA_SETS).into_par_iter().map(one).collect()
+    let variables = source.space.variables.iter().enumerate();
+    kinds.extend(variables.filter(|(_, v)| !designs.contains(&v.index)).map(|(place, v)| {
+        (format!("{UNITS} measured values of {}", scene.variables[v.index].name), Kind::Values(place))
+    }));
+    let narrowing = |kind: &Kind, number: u32| {
+        let mut rng = open_stream(settings.units.seed, Stream::Parameters(1000 + number));
+        1.0 - width(&source.weights_after(kind, &before, &mut rng)) / now
     };
     let cost = |kind: &Kind| {
         let of = match *kind {
@@ -112,7 +106,7 @@ pub fn values_of(
         data.prices.iter().find(|(priced, _)| *priced == of).map(|(_, price)| UNITS as f64 * price)
     };
     let value = |(data, kind): (String, Kind)| {
-        let all = narrowing(&kind);
+        let all: Vec<f64> = (0..DATA_SETS).into_par_iter().map(|number| narrowing(&kind, number)).collect();
         let n = all.len() as f64;
         let mean = all.iter().sum::<f64>() / n;
         let variance = all.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);
@@ -120,29 +114,27 @@ pub fn values_of(
     };
     let mut values: Vec<DataValue> = kinds.into_iter().map(value).collect();
     let rank = |value: &DataValue| value.narrowing / value.cost.unwrap_or(1.0);
-    let is_priced = |value: &DataValue| value.cost.is_some();
-    values.sort_by(|a, b| is_priced(b).cmp(&is_priced(a)).then(rank(b).total_cmp(&rank(a))));
+    values.sort_by(|a, b| b.cost.is_some().cmp(&a.cost.is_some()).then(rank(b).total_cmp(&rank(a))));
     values
 }
 
 /// The least error with which an output was measured.
 fn stated_error(units: &[ObservedUnit], output: usize) -> Option<f64> {
-    let all = units.iter().flat_map(|unit| &unit.observations);
-    let errors = all.filter_map(|o| match o.quantity {
+    let error = |o: &Observation| match o.quantity {
         Quantity::Measured { of: Observable::Output(own), error, .. } if own == output => Some(error),
         _ => None,
-    });
-    errors.min_by(f64::total_cmp)
+    };
+    units.iter().flat_map(|unit| &unit.observations).filter_map(error).min_by(f64::total_cmp)
 }
 
 /// Index chosen with probabilities in proportion to `weights`.
 fn choose(weights: &[f64], rng: &mut impl Rng) -> usize {
     let mut left = rng.random::<f64>() * weights.iter().sum::<f64>();
-    let found = weights.iter().position(|w| {
+    let passes = |w: &f64| {
         left -= w;
         left < 0.0
-    });
-    found.unwrap_or(weights.len() - 1)
+    };
+    weights.iter().position(passes).unwrap_or(weights.len() - 1)
 }
 
 impl DataSource<'_> {
@@ -164,43 +156,33 @@ impl DataSource<'_> {
     /// Likelihood of one observation, simulated from the set `truth`, under every set `(P,)`.
     fn likelihoods(&self, kind: &Kind, truth: usize, rng: &mut impl Rng) -> Vec<f64> {
         let noise: f64 = StandardNormal.sample(rng);
-        let (output, life, error) = match *kind {
-            Kind::Values(place) => {
-                let x = self.sets[truth].1[place].quantile(rng.random::<f64>().clamp(1e-12, 1.0 - 1e-12));
-                return self.sets.iter().map(|(_, laws)| laws[place].pdf(x)).collect();
-            }
-            Kind::Failures => (None, f64::NAN, f64::NAN),
-            Kind::Inspections { output, life, error } => (Some(output), life, error),
-        };
+        if let Kind::Values(place) = *kind {
+            let x = self.sets[truth].1[place].quantile(rng.random::<f64>().clamp(1e-12, 1.0 - 1e-12));
+            return self.sets.iter().map(|(_, laws)| laws[place].pdf(x)).collect();
+        }
         let own = choose(&self.points[truth].0, rng);
         let n = self.points[truth].0.len();
         let normal = |difference: f64, std: f64| (-0.5 * (difference / std).powi(2)).exp();
-        let agreement: Vec<f64> = match output {
-            None => {
-                let lives = &self.population.lives;
-                if lives[own].is_infinite() {
-                    lives[..n].iter().map(|life| f64::from(u8::from(life.is_infinite()))).collect()
-                } else {
-                    let error = LIFE_ERROR * lives[own].max(1.0);
-                    lives[..n].iter().map(|life| normal(life - lives[own] - error * noise, error)).collect()
-                }
-            }
-            Some(output) => {
-                let prior = &self.population.prior;
-                let place = prior
-                    .wanted
-                    .iter()
-                    .position(|w| *w == output)
-                    .expect("outputs of limit states are wanted");
-                let value =
-                    |j: usize| prior.model.value_at(output, &prior.responses.histories[place], j, life);
+        let WeightedPopulation { prior, lives, .. } = self.population;
+        let agreement: Vec<f64> = match *kind {
+            Kind::Inspections { output, life, error } => {
+                let mut outputs = prior.wanted.iter().zip(&prior.responses.histories);
+                let (_, history) =
+                    outputs.find(|(w, _)| **w == output).expect("outputs of limit states are wanted");
+                let value = |j: usize| prior.model.value_at(output, history, j, life);
                 let measured = value(own) + error * noise;
                 (0..n).map(|j| normal(value(j) - measured, error)).collect()
             }
+            _ if lives[own].is_infinite() => {
+                lives[..n].iter().map(|life| f64::from(u8::from(life.is_infinite()))).collect()
+            }
+            _ => {
+                let error = LIFE_ERROR * lives[own].max(1.0);
+                lives[..n].iter().map(|life| normal(life - lives[own] - error * noise, error)).collect()
+            }
         };
         let near: Vec<(usize, f64)> = agreement.into_iter().enumerate().filter(|(_, a)| *a > 1e-8).collect();
-        let of_set =
-            |(points, sum): &(Vec<f64>, f64)| near.iter().map(|(j, a)| a * points[*j]).sum::<f64>() / sum;
-        self.points.iter().map(of_set).collect()
+        let points = self.points.iter();
+        points.map(|(points, sum)| near.iter().map(|(j, a)| a * points[*j]).sum::<f64>() / sum).collect()
     }
 }

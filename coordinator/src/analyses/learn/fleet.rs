@@ -7,7 +7,7 @@ use super::result::{LearnReport, LearnSettings, LearnedParameter, LearnedUnit, L
 use super::space::{default_unknown, moments_of, proposal, space_of};
 use crate::analyses::error::RefusedQuestion;
 use crate::analyses::update::{
-    FleetData, Moment, Observation, ObservationRow, ObservedUnit, evidence_of, outputs_of, posterior, warning,
+    FleetData, Observation, ObservationRow, ObservedUnit, evidence_of, outputs_of, posterior, warning,
 };
 use crate::results::summary::StudySummary;
 use crate::statistics::design::{Stream, open_stream};
@@ -16,7 +16,7 @@ use crate::statistics::updating::{
     UnitPoints, UnitPosterior, Unsupported,
 };
 use crate::study::LifeModel;
-use common::random::Distribution;
+use common::random::{Distribution, RandomVariable};
 use common::scene::Scene;
 use rand_distr::{Distribution as _, StandardNormal};
 use rayon::prelude::*;
@@ -48,56 +48,53 @@ pub fn learn(
     let unknown =
         if by_default { default_unknown(&model, &data.units, designs) } else { data.unknown.clone() };
     if unknown.is_empty() {
-        return Err(RefusedQuestion::new(
-            "nothing is unknown",
-            "the observations speak of no variable whose parameters are learned; name parameters in rows of the unit `population`",
-        ));
+        let fault = "the observations speak of no variable whose parameters are learned; name parameters in rows of the unit `population`";
+        return Err(RefusedQuestion::new("nothing is unknown", fault));
     }
     let ranges: Vec<(f64, f64)> = model.inputs().variables().iter().map(|law| law.support()).collect();
     let known = model.inputs().variables().to_vec();
     let space = space_of(model.inputs(), &unknown, designs, fixed);
     let indices: Vec<usize> = space.variables.iter().map(|variable| variable.index).collect();
-    let shared = |k: &usize| designs.contains(k).then(|| ranges[*k]);
-    let of_place = |sets: &[(f64, Vec<[f64; 2]>)], place: usize| -> Vec<(f64, [f64; 2])> {
-        sets.iter().map(|(w, moments)| (*w, moments[place])).collect()
-    };
-    let proposals_for = |sets: &[(f64, Vec<[f64; 2]>)]| -> Vec<Distribution> {
-        let of = |(place, variable): (usize, &UncertainVariable)| {
-            proposal(&variable.law, shared(&variable.index), &of_place(sets, place))
-        };
-        space.variables.iter().enumerate().map(of).collect()
-    };
     let dimension = space.dimension();
     let mut rng = open_stream(settings.units.seed, Stream::Parameters(0));
     let mut normals = |sets: usize| -> Vec<f64> {
         (0..sets * dimension).map(|_| StandardNormal.sample(&mut rng)).collect()
     };
-    let of_prior: Vec<(f64, Vec<[f64; 2]>)> =
-        normals(SETS).chunks_exact(dimension).map(|v| (1.0, space.moments(v))).collect();
-    let mut model = model_of(model, &indices, &proposals_for(&of_prior));
+    // Weights and moments of sets of parameters by variable.
+    let moments_by_variable = |states: &[f64], weight: &dyn Fn(usize) -> f64| -> Vec<Vec<(f64, [f64; 2])>> {
+        let sets: Vec<Vec<[f64; 2]>> = states.chunks_exact(dimension).map(|v| space.moments(v)).collect();
+        let of_set = |place: usize, (t, set): (usize, &Vec<[f64; 2]>)| (weight(t), set[place]);
+        let of_variable = |place: usize| sets.iter().enumerate().map(|set| of_set(place, set)).collect();
+        (0..space.variables.len()).map(of_variable).collect()
+    };
+    let redistributed = |model: LifeModel, moments: &[Vec<(f64, [f64; 2])>]| {
+        let of = |(UncertainVariable { law, index, .. }, sets): (&UncertainVariable, &Vec<_>)| {
+            proposal(law, designs.contains(index).then(|| ranges[*index]), sets)
+        };
+        let proposals: Vec<Distribution> = space.variables.iter().zip(moments).map(of).collect();
+        model_of(model, &indices, &proposals)
+    };
+    let mut model = redistributed(model, &moments_by_variable(&normals(SETS), &|_| 1.0));
     let mut pass = 1;
     let (found, moments) = loop {
-        let states = normals(settings.sets);
-        let (found, size) = pass_of(&model, &space, data, states, settings, pass)?;
-        let sets: Vec<(f64, Vec<[f64; 2]>)> = (0..found.particles.len())
-            .map(|t| (found.particles.weights[t], space.moments(found.particles.state(t))))
-            .collect();
+        let (found, size) = pass_of(&model, &space, data, normals(settings.sets), settings, pass)?;
+        let Particles { states, weights, .. } = &found.particles;
+        let moments = moments_by_variable(states, &|t| weights[t]);
         let is_last = pass == PASSES || (pass > 1 && size >= ENOUGH * settings.units.population as f64);
-        model = model_of(model, &indices, &proposals_for(&sets));
+        model = redistributed(model, &moments);
         if is_last {
-            break (found, sets);
+            break (found, moments);
         }
         pass += 1;
     };
     let mut one_more = known.clone();
-    for (place, variable) in space.variables.iter().enumerate() {
-        let [mean, std] = moments_of(&of_place(&moments, place));
+    for (variable, sets) in space.variables.iter().zip(&moments) {
+        let [mean, std] = moments_of(sets);
         one_more[variable.index] = variable.law_at(mean, std).unwrap_or_else(|_| variable.law.clone());
     }
     let particles = &found.particles;
-    let sets: Vec<(f64, Vec<Distribution>)> = (0..particles.len())
-        .filter_map(|t| Some((particles.weights[t], space.laws(particles.state(t))?)))
-        .collect();
+    let set = |t: usize| Some((particles.weights[t], space.laws(particles.state(t))?));
+    let sets: Vec<(f64, Vec<Distribution>)> = (0..particles.len()).filter_map(set).collect();
     let mut wanted = outputs_of(&data.units);
     wanted.extend(scene.limit_states.iter().map(|limit| limit.output));
     wanted.sort_unstable();
@@ -117,45 +114,26 @@ pub fn learn(
         let first = &points[..VALUED.min(points.len())];
         valued.push((first.to_vec(), first.iter().sum()));
     });
-    let values = if settings.ranks {
-        let source = DataSource {
-            scene,
-            space: &space,
-            population: &population,
-            sets: &sets,
-            points: &valued,
-            curves: &curves,
-        };
-        values_of(&source, data, designs, settings)
-    } else {
-        vec![]
-    };
-    let confident = curves.at_confidence(settings.confidence);
-    let name = |k: usize| &scene.variables[k];
+    let (space, population, curves) = (&space, &population, &curves);
+    let source = DataSource { scene, space, population, sets: &sets, points: &valued, curves };
     let parameter =
-        |place: usize| parameter_row(scene, &space, particles, place, settings.confidence, designs);
+        |place: usize| parameter_row(scene, space, particles, place, settings.confidence, designs);
+    let check = |(unit, weights): (&_, &Vec<f64>)| check(population, unit, weights, settings);
+    let left = |k: &usize| left(population, *k, &known[*k], &scene.variables[*k].name, &predictive);
     Ok(LearnReport {
         scene: scene.name.clone(),
         evaluations: 0,
         units: data.units.len(),
-        confident,
+        confident: curves.at_confidence(settings.confidence),
         before: None,
         one_more,
         study: summary.reliability.clone(),
         end: model.end(),
         chosen_by_default: by_default,
         parameters: (0..dimension).map(parameter).collect(),
-        checks: data
-            .units
-            .iter()
-            .zip(&of_unit)
-            .filter_map(|(unit, w)| check(&population, unit, w, settings))
-            .collect(),
-        left: indices
-            .iter()
-            .filter_map(|k| left(&population, *k, &known[*k], &name(*k).name, &predictive))
-            .collect(),
-        values,
+        checks: data.units.iter().zip(&of_unit).filter_map(check).collect(),
+        left: indices.iter().filter_map(left).collect(),
+        values: if settings.ranks { values_of(&source, data, designs, settings) } else { vec![] },
         effective_size: found.effective_size,
         stages: found.stages,
         acceptance: found.acceptance,
@@ -177,24 +155,19 @@ fn pass_of(
     let count = settings.units.population;
     let population = WeightedPopulation::new(model, &indices, outputs_of(units), count, settings.units.seed);
     let width = model.inputs().dimension() + model.deviations();
-    let update =
-        |(number, unit): (usize, &ObservedUnit)| posterior(&population.prior, unit, number, &settings.units);
+    let update = |(number, unit)| posterior(&population.prior, unit, number, &settings.units);
     let updated: Vec<Result<UnitPosterior, Unsupported>> = units.par_iter().enumerate().map(update).collect();
-    let mut sets = vec![UnitPoints {
-        units: vec![],
-        weights: vec![],
-        points: population.points.clone(),
-        is_population: true,
-    }];
+    let points = population.points.clone();
+    let mut sets = vec![UnitPoints { units: vec![], weights: vec![], points, is_population: true }];
     for (number, found) in updated.into_iter().enumerate() {
         let found = found.map_err(|Unsupported { place, resolution }| {
-            let observation = &units[number].observations[place];
+            let (unit, Observation { line, name, .. }) =
+                (&units[number].name, &units[number].observations[place]);
             let fault = format!(
-                "{} of unit {} agrees with no point of the model, whatever the population: its probability is below \
-                 {resolution:.1e} (95 %)",
-                observation.name, units[number].name
+                "{name} of unit {unit} agrees with no point of the model, whatever the population: its probability is below \
+                 {resolution:.1e} (95 %)"
             );
-            RefusedQuestion::new(format!("line {}", observation.line), fault)
+            RefusedQuestion::new(format!("line {line}"), fault)
         })?;
         let Particles { states, weights, .. } = found.particles;
         if found.stages == 0 {
@@ -202,12 +175,8 @@ fn pass_of(
             sets[0].weights.push(weights);
         } else {
             let points = population.reweighting.points(&states, width);
-            sets.push(UnitPoints {
-                units: vec![number],
-                weights: vec![weights],
-                points,
-                is_population: false,
-            });
+            let (units, weights) = (vec![number], vec![weights]);
+            sets.push(UnitPoints { units, weights, points, is_population: false });
         }
     }
     let fleet =
@@ -217,36 +186,23 @@ fn pass_of(
     let evidence: Vec<Evidence> = (0..units.len()).map(Evidence::LogLikelihood).collect();
     let monte_carlo = SequentialMonteCarlo { particles: settings.sets, least: 0.5 * settings.sets as f64 };
     let mut rng = open_stream(settings.units.seed, Stream::Parameters(pass));
-    let found = monte_carlo.update(particles, &evidence, &fleet, &mut rng).map_err(
-        |Unsupported { place, .. }| {
-            let ObservedUnit { name, observations } = &units[place];
-            let fault = format!(
-                "no population explains unit {name} beside the units before it; check its observations, and the priors"
-            );
-            RefusedQuestion::new(format!("line {}", observations[0].line), fault)
-        },
-    )?;
-    let mut sizes: Vec<f64> = (0..found.particles.len())
-        .step_by((found.particles.len() / PROBED).max(1))
-        .filter_map(|t| space.laws(found.particles.state(t)))
-        .map(|laws| {
-            let r = population.reweighting.weights(&laws, &population.points);
-            let (sum, squares) = r.iter().fold((0.0, 0.0), |(s, q), r| (s + r, q + r * r));
-            if squares > 0.0 { sum * sum / squares } else { 0.0 }
-        })
-        .collect();
+    let found = monte_carlo.update(particles, &evidence, &fleet, &mut rng);
+    let found = found.map_err(|Unsupported { place, .. }| {
+        let ObservedUnit { name, observations } = &units[place];
+        let fault =
+            format!("no population explains unit {name} beside the units before it; check its observations, and the priors");
+        RefusedQuestion::new(format!("line {}", observations[0].line), fault)
+    })?;
+    let size = |t: usize| {
+        let r = population.reweighting.weights(&space.laws(found.particles.state(t))?, &population.points);
+        let (sum, squares) = r.iter().fold((0.0, 0.0), |(s, q), r| (s + r, q + r * r));
+        Some(if squares > 0.0 { sum * sum / squares } else { 0.0 })
+    };
+    let step = (found.particles.len() / PROBED).max(1);
+    let mut sizes: Vec<f64> = (0..found.particles.len()).step_by(step).filter_map(size).collect();
     sizes.sort_unstable_by(f64::total_cmp);
     let size = sizes.get(sizes.len() / 2).copied().unwrap_or(0.0);
     Ok((found, size))
-}
-
-/// Variable and moment of the parameter at `place`.
-fn unknown_of(space: &ParameterSpace, place: usize) -> (usize, Moment) {
-    let of = |v: &UncertainVariable| {
-        let both = [(v.mean.is_some(), Moment::Mean), (v.std.is_some(), Moment::Std)];
-        both.into_iter().filter(|(is, _)| *is).map(|(_, moment)| (v.index, moment)).collect::<Vec<_>>()
-    };
-    space.variables.iter().flat_map(of).nth(place).expect("a parameter of the space")
 }
 
 fn parameter_row(
@@ -257,32 +213,23 @@ fn parameter_row(
     confidence: f64,
     designs: &[usize],
 ) -> LearnedParameter {
-    let (index, moment) = unknown_of(space, place);
-    let variable = &scene.variables[index];
-    let own = space.variables.iter().find(|v| v.index == index).expect("its own variable");
-    let prior = match moment {
-        Moment::Mean => own.mean.clone(),
-        Moment::Std => own.std.clone(),
-    }
-    .expect("an unknown parameter has a prior");
+    let both = space.variables.iter().flat_map(|own| [(own, "mean", &own.mean), (own, "std", &own.std)]);
+    let mut unknown = both.filter_map(|(own, word, prior)| Some((own, word, prior.as_ref()?)));
+    let (own, word, prior) = unknown.nth(place).expect("a parameter of the space");
+    let RandomVariable { name, unit, .. } = &scene.variables[own.index];
     let value = |t: usize| prior.value(particles.state(t)[place]);
     let mean = particles.mean(value);
     let std = particles.mean(|t| (value(t) - mean).powi(2)).sqrt();
     let q = particles.quantiles(&[0.5, 0.5 * (1.0 - confidence), 0.5 * (1.0 + confidence)], value);
-    let at = |u: f64| prior.value(u);
     LearnedParameter {
-        name: match moment {
-            _ if designs.contains(&index) => variable.name.clone(),
-            Moment::Mean => format!("{}.mean", variable.name),
-            Moment::Std => format!("{}.std", variable.name),
-        },
-        unit: variable.unit.clone(),
+        name: if designs.contains(&own.index) { name.clone() } else { format!("{name}.{word}") },
+        unit: unit.clone(),
         mean,
         std,
         median: q[0],
         interval: [q[1], q[2]],
-        study: if moment == Moment::Mean { own.law.parent_mean() } else { own.law.given_std() },
-        prior: [at(-1.644_854), at(1.644_854)],
+        study: if word == "mean" { own.law.parent_mean() } else { own.law.given_std() },
+        prior: [-1.644_854, 1.644_854].map(|u| prior.value(u)),
         is_flat: matches!(prior.law, Distribution::Uniform(_)),
     }
 }
@@ -293,8 +240,8 @@ pub fn weights_without(particles: &Particles, units: usize) -> Vec<Vec<f64>> {
         let log = |t: usize| particles.weights[t].ln() - particles.predictions.value(t, i).0;
         let logs: Vec<f64> = (0..particles.len()).map(log).collect();
         let largest = logs.iter().copied().filter(|l| l.is_finite()).fold(f64::NEG_INFINITY, f64::max);
-        let weights: Vec<f64> =
-            logs.iter().map(|l| if l.is_finite() { (l - largest).exp() } else { 0.0 }).collect();
+        let weight = |l: &f64| if l.is_finite() { (l - largest).exp() } else { 0.0 };
+        let weights: Vec<f64> = logs.iter().map(weight).collect();
         let sum: f64 = weights.iter().sum();
         weights.into_iter().map(|w| w / sum).collect()
     };
@@ -315,14 +262,8 @@ pub fn check(
     let weights = weights.iter().map(|w| w / sum).collect();
     let particles = Particles { dimension: 1, states: vec![], predictions, weights };
     let resolution = (3.0 / particles.effective_size()).min(1.0);
-    let row = |(e, o): (&Evidence, &Observation)| ObservationRow {
-        line: o.line,
-        cycles: o.cycles,
-        quantity: o.name.clone(),
-        probability: e.probability(&particles),
-        resolution,
-    };
-    let rows: Vec<ObservationRow> = evidence.iter().zip(&unit.observations).map(row).collect();
+    let rows = evidence.iter().map(|e| e.probability(&particles)).zip(&unit.observations);
+    let rows: Vec<_> = rows.map(|(probability, o)| ObservationRow::new(o, probability, resolution)).collect();
     warning(&rows).map(|warning| LearnedUnit { unit: unit.name.clone(), warning })
 }
 
@@ -339,9 +280,8 @@ pub fn left(
     let width = model.inputs().dimension() + model.deviations();
     let law = &model.inputs().variables()[k];
     let is_outside = |v: &[f64]| !(lower..=upper).contains(&law.from_standard_normal(v[k]));
-    let all = population.prior.states.chunks_exact(width).zip(weights);
-    let outside: f64 =
-        all.filter(|(v, _)| is_outside(v)).map(|(_, w)| w).sum::<f64>() / weights.iter().sum::<f64>();
+    let all = population.prior.states.chunks_exact(width).zip(weights).filter(|(v, _)| is_outside(v));
+    let outside = all.map(|(_, w)| w).sum::<f64>() / weights.iter().sum::<f64>();
     let of_study = known.cdf(lower) + known.survival(upper);
     (outside > 2.0 * of_study + 0.05).then(|| LeftVariable { name: name.to_owned(), outside, of_study })
 }

@@ -3,7 +3,7 @@
 use super::space::proposal;
 use crate::analyses::update::Prior;
 use crate::statistics::design::{InputModel, Stream, open_stream};
-use crate::statistics::updating::{ConfidentReliability, CurveDraws, PointPlaces, Reweighting, fitted_draws};
+use crate::statistics::updating::{ConfidentReliability, CurveDraws, Reweighting, fitted_draws};
 use crate::study::{LEVELS, LifeModel};
 use common::random::Distribution;
 use common::scene::{MeasuredVariable, Scene};
@@ -32,7 +32,7 @@ pub struct WeightedPopulation<'a> {
     /// Weights under changed distributions.
     pub reweighting: Reweighting,
     /// The points as places in their tables.
-    pub points: PointPlaces,
+    pub points: Vec<f64>,
     /// Life of each point by any limit state `(N,)` [cycles].
     pub lives: Vec<f64>,
 }
@@ -40,8 +40,7 @@ pub struct WeightedPopulation<'a> {
 impl<'a> WeightedPopulation<'a> {
     /// `count` points of the population of `model`, whose variables `indices` will be changed.
     pub fn new(model: &'a LifeModel, indices: &[usize], wanted: Vec<usize>, count: usize, seed: u64) -> Self {
-        let laws: Vec<Distribution> =
-            indices.iter().map(|k| model.inputs().variables()[*k].clone()).collect();
+        let laws: Vec<_> = indices.iter().map(|k| model.inputs().variables()[*k].clone()).collect();
         let prior = Prior::new(model, wanted, count, seed);
         let reweighting = Reweighting::new(indices.to_vec(), &laws);
         let points = reweighting.points(&prior.states, model.inputs().dimension() + model.deviations());
@@ -82,9 +81,8 @@ pub fn uncertain_fits<'m>(
     measured: &'m [MeasuredVariable],
     scene: &Scene,
 ) -> Result<Vec<(usize, &'m MeasuredVariable)>, Vec<&'m str>> {
-    let index =
-        |own: &MeasuredVariable| scene.variables.iter().position(|variable| variable.name == own.name);
-    let all: Vec<_> = measured.iter().filter_map(|own| Some((index(own)?, own))).collect();
+    let index = |name: &str| scene.variables.iter().position(|variable| variable.name == name);
+    let all: Vec<_> = measured.iter().filter_map(|own| Some((index(&own.name)?, own))).collect();
     let correlated = all.iter().filter(|(k, _)| model.inputs().copula().is_correlated(*k));
     let correlated: Vec<&str> = correlated.map(|(_, own)| own.name.as_str()).collect();
     if correlated.is_empty() { Ok(all) } else { Err(correlated) }
@@ -99,18 +97,13 @@ pub fn fitted_reliability(
     seed: u64,
 ) -> ConfidentReliability {
     let mut rng = open_stream(seed, Stream::Parameters(0));
-    let draws: Vec<Vec<Distribution>> = fits
-        .iter()
-        .map(|(_, m)| fitted_draws(m.family, &m.distribution, &m.samples, SETS, &mut rng))
-        .collect();
+    let drawn = fits.iter().map(|(_, m)| fitted_draws(m.family, &m.distribution, &m.samples, SETS, &mut rng));
+    let draws: Vec<Vec<Distribution>> = drawn.collect();
     let moments = |law: &Distribution| (1.0, [law.parent_mean(), law.given_std()]);
-    let proposals: Vec<Distribution> = fits
-        .iter()
-        .zip(&draws)
-        .map(|((_, m), draws)| {
-            proposal(&m.distribution, None, &draws.iter().map(moments).collect::<Vec<_>>())
-        })
-        .collect();
+    let proposed = |((_, m), draws): (&(usize, &MeasuredVariable), &Vec<Distribution>)| {
+        proposal(&m.distribution, None, &draws.iter().map(moments).collect::<Vec<_>>())
+    };
+    let proposals: Vec<Distribution> = fits.iter().zip(&draws).map(proposed).collect();
     let indices: Vec<usize> = fits.iter().map(|(k, _)| *k).collect();
     let model = model_of(model, &indices, &proposals);
     let population = WeightedPopulation::new(&model, &indices, vec![], POINTS, seed);

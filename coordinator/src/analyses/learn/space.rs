@@ -1,11 +1,12 @@
 //! Unknown parameters of a study's population with their priors, and the distributions of the points by which they are tried.
 
-use crate::analyses::update::{Moment, Observable, ObservedUnit, Quantity, UnknownParameter};
+use crate::analyses::update::{Moment, Observable, Observation, ObservedUnit, Quantity, UnknownParameter};
 use crate::statistics::design::{InputModel, Population};
 use crate::statistics::updating::{ParameterPrior, ParameterSpace, UncertainVariable, is_positive_family};
 use crate::study::LifeModel;
-use common::random::Distribution;
+use common::random::{Distribution, RandomVariable};
 use common::scene::Scene;
+use std::collections::BTreeSet;
 
 /// Bounds of a flat prior of a mean [standard deviations of the study], and of a spread, up and down [factor].
 const WIDE: f64 = 5.0;
@@ -21,16 +22,11 @@ const SCREENED: usize = 2000;
 /// Distributions of the random variables of a study in the order of its simulations, those of `present` by name, and the indices of
 /// its design variables, which `present` does not have.
 pub fn laws_of(studied: &Scene, present: &Scene) -> (Vec<Distribution>, Vec<usize>) {
-    let mut designs = Vec::new();
-    let law = |(k, variable): (usize, &common::random::RandomVariable)| {
-        let own = present.variables.iter().find(|own| own.name == variable.name);
-        if own.is_none() {
-            designs.push(k);
-        }
-        own.unwrap_or(variable).distribution.clone()
-    };
-    let laws = studied.variables.iter().enumerate().map(law).collect();
-    (laws, designs)
+    let own = |variable: &RandomVariable| present.variables.iter().find(|own| own.name == variable.name);
+    let law = |variable| own(variable).unwrap_or(variable).distribution.clone();
+    let laws = studied.variables.iter().map(law).collect();
+    let designs = (0..studied.variables.len()).filter(|k| own(&studied.variables[*k]).is_none());
+    (laws, designs.collect())
 }
 
 /// What is not known where a file names nothing: the parameters of the variables that were measured and, if lives or outputs were
@@ -40,20 +36,17 @@ pub fn default_unknown(
     units: &[ObservedUnit],
     designs: &[usize],
 ) -> Vec<UnknownParameter> {
-    let observed = || units.iter().flat_map(|unit| &unit.observations);
-    let mut variables: Vec<usize> = observed()
-        .filter_map(|o| match o.quantity {
-            Quantity::Measured { of: Observable::Variable(k), .. } => Some(k),
-            _ => None,
-        })
-        .collect();
-    let is_life = |q: &Quantity| !matches!(q, Quantity::Measured { of: Observable::Variable(_), .. });
-    if observed().any(|o| is_life(&o.quantity)) {
-        variables.extend(most_influential(model, designs));
-    }
-    variables.retain(|k| !designs.contains(k) && is_learnable(model.inputs(), *k));
-    variables.sort_unstable();
-    variables.dedup();
+    // The variable of an observation; none of a life or an output.
+    let variable = |o: &Observation| match o.quantity {
+        Quantity::Measured { of: Observable::Variable(k), .. } => Some(k),
+        _ => None,
+    };
+    let observed = units.iter().flat_map(|unit| &unit.observations).map(variable);
+    let influential = || most_influential(model, designs);
+    let variables: BTreeSet<usize> = observed.clone().flatten().collect();
+    let of_life = observed.clone().any(|variable| variable.is_none()).then(influential).flatten();
+    let variables: BTreeSet<usize> = variables.into_iter().chain(of_life).collect();
+    let is_unknown = |k: &usize| !designs.contains(k) && is_learnable(model.inputs(), *k);
     let of = |variable: usize, moment| UnknownParameter { variable, moment, prior: None };
     let both = |k: usize| {
         let is_exponential = matches!(model.inputs().variables()[k], Distribution::Exponential(_));
@@ -61,7 +54,7 @@ pub fn default_unknown(
         moments.iter().map(move |moment| of(k, *moment)).collect::<Vec<_>>()
     };
     let shared = designs.iter().map(|k| of(*k, Moment::Mean));
-    variables.into_iter().flat_map(both).chain(shared).collect()
+    variables.into_iter().filter(is_unknown).flat_map(both).chain(shared).collect()
 }
 
 fn is_learnable(inputs: &InputModel, k: usize) -> bool {
@@ -75,17 +68,13 @@ fn most_influential(model: &LifeModel, designs: &[usize]) -> Option<usize> {
     let (inputs, width) = (model.inputs(), model.deviations());
     let population = Population::draw(inputs, SCREENED, 1);
     let responses = model.respond(population.columns(0..SCREENED), &vec![0.0; SCREENED * width], &[]);
-    let life = |j: usize| {
-        let own = &responses.lives[j * model.limit_states()..(j + 1) * model.limit_states()];
-        own.iter().copied().fold(2.0 * model.end(), f64::min)
-    };
-    let lives: Vec<f64> = (0..SCREENED).map(life).collect();
+    let life = |own: &[f64]| own.iter().copied().fold(2.0 * model.end(), f64::min);
+    let lives: Vec<f64> = responses.lives.chunks_exact(model.limit_states()).map(life).collect();
     let mean = lives.iter().sum::<f64>() / SCREENED as f64;
     let correlation = |k: &usize| {
-        let u = |j: usize| {
-            inputs.variables()[*k].to_standard_normal(population.physical_value(j, *k)).clamp(-8.0, 8.0)
-        };
-        (0..SCREENED).map(|j| u(j) * (lives[j] - mean)).sum::<f64>().abs()
+        let normal = |x: f64| inputs.variables()[*k].to_standard_normal(x).clamp(-8.0, 8.0);
+        let product = |j: usize| normal(population.physical_value(j, *k)) * (lives[j] - mean);
+        (0..SCREENED).map(product).sum::<f64>().abs()
     };
     let candidates = (0..inputs.dimension()).filter(|k| !designs.contains(k) && is_learnable(inputs, *k));
     candidates.max_by(|a, b| correlation(a).total_cmp(&correlation(b)))
@@ -98,9 +87,7 @@ pub fn space_of(
     designs: &[usize],
     fixed: &[[bool; 2]],
 ) -> ParameterSpace {
-    let mut indices: Vec<usize> = unknown.iter().map(|u| u.variable).collect();
-    indices.sort_unstable();
-    indices.dedup();
+    let indices: BTreeSet<usize> = unknown.iter().map(|u| u.variable).collect();
     let variable = |index: usize| {
         let law = &inputs.variables()[index];
         let is_shared = designs.contains(&index);
@@ -110,12 +97,9 @@ pub fn space_of(
         };
         let (mean, std) = (prior(Moment::Mean), prior(Moment::Std));
         let (lower, upper) = law.support();
-        let kernel = || {
-            let middle =
-                Distribution::truncated_normal(0.5 * (lower + upper), KERNEL * (upper - lower), lower, upper);
-            middle.expect("the middle lies within")
-        };
-        let law = if is_shared { kernel() } else { law.clone() };
+        let (middle, width) = (0.5 * (lower + upper), KERNEL * (upper - lower));
+        let kernel = || Distribution::truncated_normal(middle, width, lower, upper);
+        let law = if is_shared { kernel().expect("the middle lies within") } else { law.clone() };
         let fixed = if is_shared { [true; 2] } else { fixed.get(index).copied().unwrap_or_default() };
         UncertainVariable { index, law, fixed, mean, std }
     };

@@ -300,7 +300,7 @@ fn every_fault_of_the_population_is_named_with_line_and_column() {
 /// with which it holds. The closed form is the tolerance bound by the noncentral t: 87 to 93 % of 200 data sets.
 #[test]
 fn bounds_from_few_samples_hold_as_often_as_stated() {
-    use crate::statistics::updating::{CurveDraws, PointPlaces, Reweighting, fitted_draws};
+    use crate::statistics::updating::{CurveDraws, Reweighting, fitted_draws};
     use common::random::Distribution;
     use rand::RngExt;
     use rand_chacha::ChaCha12Rng;
@@ -321,7 +321,7 @@ fn bounds_from_few_samples_hold_as_often_as_stated() {
                 .map(|j| common::random::standard_normal_quantile((f64::from(j) + 0.5) / 1000.0))
                 .collect();
             let lives: Vec<f64> = states.iter().map(|u| points_of.from_standard_normal(*u)).collect();
-            let points: PointPlaces = reweighting.points(&states, 1);
+            let points: Vec<f64> = reweighting.points(&states, 1);
             let order = CurveDraws::order(&lives);
             let mut draws = CurveDraws::new(vec![], vec![0.9]);
             for law in &laws {

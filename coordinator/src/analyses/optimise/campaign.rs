@@ -12,6 +12,7 @@ use crate::study::{
     Campaign, CampaignResult, LARGEST_POPULATION, Observed, ObservedOutcome, Plan, Problem, SampleRequest,
     Settings,
 };
+use std::collections::BTreeSet;
 
 /// Surrogate error of the failure probability allowed by a target, over that probability [1]: an error of the reliability
 /// index of 0.01 at 0.9987.
@@ -47,22 +48,18 @@ pub(super) struct TargetCampaign<'a> {
 impl<'a> TargetCampaign<'a> {
     /// The part of `study` that the targets of `problem` need.
     pub fn new(study: &'a StudyBasis, problem: &DesignProblem) -> Self {
-        let all = 0..study.problem.modes.len();
+        let targets = problem.targets.iter();
         let named = |mode: &usize| {
-            problem.targets.iter().any(|target| target.limit_state.is_none_or(|named| named == *mode))
+            targets.clone().any(|target| target.limit_state.is_none_or(|named| named == *mode))
         };
-        let modes: Vec<usize> = all.filter(named).collect();
-        let mut checkpoints: Vec<usize> = problem.targets.iter().map(|target| target.checkpoint).collect();
-        checkpoints.sort_unstable();
-        checkpoints.dedup();
+        let modes: Vec<usize> = (0..study.problem.modes.len()).filter(named).collect();
+        let checkpoints: BTreeSet<usize> = targets.clone().map(|target| target.checkpoint).collect();
+        let checkpoints = checkpoints.into_iter().collect();
         let mut made = Self { study, modes, checkpoints, outcomes: vec![] };
-        made.outcomes = study
-            .outcomes
-            .iter()
-            .map(|(sample, outcome)| {
-                (sample.clone(), outcome.clone().map(|observed| made.reduced(&observed)))
-            })
-            .collect();
+        let reduced = |(sample, outcome): &(Vec<f64>, ObservedOutcome)| {
+            (sample.clone(), outcome.clone().map(|observed| made.reduced(&observed)))
+        };
+        made.outcomes = study.outcomes.iter().map(reduced).collect();
         made
     }
 
@@ -120,12 +117,8 @@ impl<'a> TargetCampaign<'a> {
         } else {
             (of_study, default.error, COV)
         };
-        let settings = Settings {
-            samples,
-            max_evaluations: self.outcomes.len() + count,
-            larger_populations: vec![],
-            ..study.settings.clone()
-        };
+        let (max_evaluations, larger_populations) = (self.outcomes.len() + count, vec![]);
+        let settings = Settings { samples, max_evaluations, larger_populations, ..study.settings.clone() };
         let plan = Plan {
             targets: StoppingTargets { error, relative_error: RELATIVE_ERROR, cov, ..default },
             largest_population: if resolved { samples } else { LARGEST_POPULATION },
@@ -175,11 +168,8 @@ fn largest_until(observed: &Observed, output: usize, last: usize) -> (f64, f64) 
     let (history, errors) = (&observed.histories[output], &observed.errors[output]);
     let at_start = observed.start[output].map(|value| (value, errors[0]));
     let later = history.iter().copied().zip(errors.iter().copied()).take(last + 1);
-    at_start
-        .into_iter()
-        .chain(later)
-        .reduce(|best, next| if next.0 > best.0 { next } else { best })
-        .unwrap_or_default()
+    let all = at_start.into_iter().chain(later);
+    all.reduce(|best, next| if next.0 > best.0 { next } else { best }).unwrap_or_default()
 }
 
 #[cfg(test)]

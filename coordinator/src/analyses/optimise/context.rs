@@ -3,12 +3,12 @@
 
 use super::campaign::{StudyBasis, TargetCampaign};
 use super::problem::{DesignProblem, ReliabilityTarget};
-use super::reliability::{Constraint, DesignReliability, ModeSurrogate, TargetValue, value};
+use super::reliability::{Constraint, DesignReliability, ModeSurrogate};
 use super::solve::Solved;
 use super::trust;
 use crate::analyses::error::AnalysisError;
 use crate::statistics::design::InputModel;
-use crate::study::CampaignResult;
+use crate::study::{CampaignResult, Surrogate};
 use common::random::standard_normal_quantile;
 
 /// Designs are next to each other if no mean differs by more than this [standard deviations] ...
@@ -31,43 +31,31 @@ pub(super) struct Context<'a> {
     /// Inputs of the study, in the coordinates of all campaigns.
     pub reference: InputModel,
     seed: u64,
-    /// Curve and column of every target in the campaigns.
-    pub places: Vec<(usize, usize)>,
     pub constraints: Vec<Constraint>,
 }
 
 impl<'a> Context<'a> {
     /// The context of a problem in the campaigns of a study.
     pub fn new(study: &'a StudyBasis, problem: &'a DesignProblem, campaign: &TargetCampaign<'_>) -> Self {
-        let places: Vec<(usize, usize)> = problem
-            .targets
-            .iter()
-            .map(|target| campaign.place(target.limit_state, target.checkpoint))
-            .collect();
-        let modes = campaign.modes.len();
-        let constraint = |(target, (curve, column)): (&ReliabilityTarget, &(usize, usize))| Constraint {
-            modes: if *curve == modes { (0..modes).collect() } else { vec![*curve] },
-            column: *column,
-            beta: index_of(1.0 - target.reliability),
+        let all = campaign.modes.len();
+        let constraint = |target: &ReliabilityTarget| {
+            let (curve, column) = campaign.place(target.limit_state, target.checkpoint);
+            let modes = if curve == all { (0..all).collect() } else { vec![curve] };
+            Constraint { modes, curve, column, beta: index_of(1.0 - target.reliability) }
         };
-        let constraints = problem.targets.iter().zip(&places).map(constraint).collect();
+        let constraints = problem.targets.iter().map(constraint).collect();
         let reference = trust::with_scales(problem, &study.problem.inputs);
-        Self { problem, reference, seed: study.settings.seed, places, constraints }
+        Self { problem, reference, seed: study.settings.seed, constraints }
     }
 
     /// Reliability over designs with the surrogates of a campaign at the design y, its lines placed for it.
     pub fn reliability<'r>(&'r self, learned: &'r CampaignResult, y: &[f64]) -> DesignReliability<'r> {
-        let surrogate = |(mode, surrogate): (
-            &crate::statistics::learning::Classification,
-            &'r crate::study::Surrogate,
-        )| ModeSurrogate {
-            dual: surrogate.model.dual(),
-            threshold: mode.threshold,
-            model: &surrogate.model,
-        };
-        let surrogates = learned.assessment.modes.iter().zip(&learned.assessment.surrogates).map(surrogate);
-        let constraints = self.constraints.clone();
-        let surrogates = surrogates.collect();
+        let modes = learned.assessment.modes.iter().zip(&learned.assessment.surrogates);
+        let surrogates = modes.map(|(mode, Surrogate { model, .. })| {
+            let (threshold, dual) = (mode.threshold, model.dual());
+            ModeSurrogate { model, threshold, dual }
+        });
+        let (surrogates, constraints) = (surrogates.collect(), self.constraints.clone());
         DesignReliability::new(self.problem, &self.reference, surrogates, constraints, self.seed, y)
     }
 
@@ -95,14 +83,15 @@ impl<'a> Context<'a> {
         let targets = &self.problem.targets;
         let is_asked = targets.iter().any(|target| target.confidence.is_some());
         let numerical = if is_asked { campaign.numerical_errors(learned) } else { vec![] };
-        let bound =
-            |((target, (curve, column)), value): ((&ReliabilityTarget, &(usize, usize)), &TargetValue)| {
-                let reach = standard_normal_quantile(target.confidence?);
-                let surrogate = TargetCampaign::surrogate_error(learned, *curve, *column);
-                let error = surrogate.hypot(value.estimate.standard_error).hypot(numerical[*curve][*column]);
-                Some((1.0 - value.estimate.probability - reach * error).max(0.0))
-            };
-        targets.iter().zip(&self.places).zip(&solved.values).map(bound).collect()
+        let bound = |i: usize| {
+            let (Constraint { curve, column, .. }, found) =
+                (&self.constraints[i], &solved.values[i].estimate);
+            let reach = standard_normal_quantile(targets[i].confidence?);
+            let surrogate = TargetCampaign::surrogate_error(learned, *curve, *column);
+            let error = surrogate.hypot(found.standard_error).hypot(numerical[*curve][*column]);
+            Some((1.0 - found.probability - reach * error).max(0.0))
+        };
+        (0..targets.len().min(solved.values.len())).map(bound).collect()
     }
 
     /// Raises the constraint of every target with a confidence by what the errors at a campaign's design cost there, the index of the
@@ -111,8 +100,8 @@ impl<'a> Context<'a> {
         let mut settled = true;
         for (i, bound) in bounds.iter().enumerate() {
             let Some(bound) = bound else { continue };
-            let (wanted, promised) =
-                (index_of(1.0 - self.problem.targets[i].reliability), index_of(1.0 - bound));
+            let wanted = index_of(1.0 - self.problem.targets[i].reliability);
+            let promised = index_of(1.0 - bound);
             let needed = wanted + solved.values[i].beta - promised;
             let constraint = &mut self.constraints[i].beta;
             let over = *constraint - needed;
@@ -127,38 +116,30 @@ impl<'a> Context<'a> {
 
     /// True if two designs are next to each other.
     pub fn are_near(&self, a: &InputModel, b: &InputModel) -> bool {
-        a.variables().iter().zip(b.variables()).enumerate().all(|(k, (a_law, b_law))| {
-            if a_law.is_constant() || trust::spread_by(self.problem, b, k).is_some() {
+        (0..a.dimension()).all(|k| {
+            let [own, other] = [a, b].map(|inputs| &inputs.variables()[k]);
+            if own.is_constant() || trust::spread_by(self.problem, b, k).is_some() {
                 // A design variable, in standard deviations of its range; or a mean, in the scale of visits.
-                let shift = a.standardised_value(k, a_law.parent_mean())
-                    - b.standardised_value(k, b_law.parent_mean());
-                return shift.abs() <= NEAR_MEAN;
+                let [own, other] =
+                    [a, b].map(|inputs| inputs.standardised_value(k, inputs.variables()[k].parent_mean()));
+                return (own - other).abs() <= NEAR_MEAN;
             }
-            let (a, b) = (a_law, b_law);
-            let shift = (a.parent_mean() - b.parent_mean()).abs() / b.parent_std();
-            let spread = (a.parent_std() / b.parent_std()).ln().abs();
-            shift <= NEAR_MEAN && spread <= NEAR_SPREAD
+            let shift = (own.parent_mean() - other.parent_mean()).abs() / other.parent_std();
+            shift <= NEAR_MEAN && (own.parent_std() / other.parent_std()).ln().abs() <= NEAR_SPREAD
         })
     }
 
     /// True if at a campaign's design every surrogate error is small and line sampling agrees with counting.
     pub fn is_accurate(&self, solved: &Solved, learned: &CampaignResult) -> bool {
         let counted = learned.reliability();
-        solved.values.iter().zip(&self.places).zip(&self.problem.targets).all(
-            |((value, (curve, column)), target)| {
-                let error = TargetCampaign::surrogate_error(learned, *curve, *column);
-                let p = value.estimate.probability;
-                let point = counted[*curve][*column];
-                let both = point.standard_error.hypot(value.estimate.standard_error);
-                let allowed = p.max(1.0 - target.reliability);
-                TargetCampaign::is_accurate(error, allowed)
-                    && (1.0 - point.reliability - p).abs() <= AGREE * both
-            },
-        )
+        let mut targets = solved.values.iter().zip(&self.constraints).zip(&self.problem.targets);
+        targets.all(|((value, Constraint { curve, column, .. }), target)| {
+            let error = TargetCampaign::surrogate_error(learned, *curve, *column);
+            let p = value.estimate.probability;
+            let point = counted[*curve][*column];
+            let both = point.standard_error.hypot(value.estimate.standard_error);
+            let is_accurate = TargetCampaign::is_accurate(error, p.max(1.0 - target.reliability));
+            is_accurate && (1.0 - point.reliability - p).abs() <= AGREE * both
+        })
     }
-}
-
-/// Values of the quantities of a problem at y `(q,)` [SI].
-pub(super) fn values_of(problem: &DesignProblem, y: &[f64]) -> Vec<f64> {
-    problem.quantities.iter().zip(y).map(|(q, y)| value(q, *y)).collect()
 }

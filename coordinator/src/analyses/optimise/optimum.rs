@@ -5,12 +5,11 @@
 //! reliability by line sampling agrees with the one counted over the population.
 
 use super::campaign::{StudyBasis, TargetCampaign};
-use super::context::{Context, index_of, values_of};
+use super::context::{Context, index_of};
 use super::problem::DesignProblem;
-use super::reliability::{TargetValue, place, value};
+use super::reliability::Constraint;
 use super::result::{
-    Advice, Bound, FrontPoint, OptimisationResult, OptimisedQuantity, OptimisedTarget, Simulations,
-    TargetState,
+    FrontPoint, OptimisationResult, OptimisedQuantity, OptimisedTarget, Simulations, TargetState,
 };
 use super::solve::{Solved, solve, solve_relaxed};
 use super::{Simulate, trust};
@@ -40,7 +39,7 @@ pub fn optimise(
     let before = campaign.simulations();
     let mut context = Context::new(study, problem, &campaign);
     let present = problem.present(&context.reference);
-    let start: Vec<f64> = problem.quantities.iter().zip(&present).map(|(q, v)| place(q, *v)).collect();
+    let start: Vec<f64> = problem.quantities.iter().zip(&present).map(|(q, v)| q.place(*v)).collect();
     let middle = vec![0.5; start.len()];
     let dimension = study.problem.inputs.dimension();
     let visit = (VISIT.0 + dimension).min(VISIT.1);
@@ -57,23 +56,19 @@ pub fn optimise(
         round += 1;
         let (solved, region) = {
             let mut reliability = context.reliability(&learned, &known[0]);
-            let inputs = context.inputs(&values_of(problem, &centre))?;
+            let inputs = context.inputs(&problem.values(&centre))?;
             reliability.region = trust::region(problem, &inputs, &centre, visited);
             (solve(&mut reliability, &known), reliability.region)
         };
         let added = campaign.simulations() - before;
         let met = if solved.feasible { "" } else { ", none within the trust region meets the targets" };
-        let cost = solved.cost;
-        progress(format!(
-            "round {round}: cost {cost:.5} on the present surrogates{met}; {added} simulations added"
-        ));
+        let cost = format!("cost {:.5} on the present surrogates", solved.cost);
+        progress(format!("round {round}: {cost}{met}; {added} simulations added"));
         known = vec![solved.y.clone()];
         let pf = solved.least_probability(problem);
-        let values = values_of(problem, &solved.y);
-        let inputs = context.inputs(&values)?;
-        let near = last.as_ref().is_some_and(|(at, _)| context.are_near(&inputs, at));
-        let ended = last.as_ref().is_some_and(|(_, ended)| *ended);
-        if near && ended {
+        let inputs = context.inputs(&problem.values(&solved.y))?;
+        let near = last.as_ref().filter(|(at, _)| context.are_near(&inputs, at));
+        if near.is_some_and(|(_, ended)| *ended) {
             // The surrogates of the last campaign, assessed at the optimum itself.
             learned = campaign.learn(&inputs, 0, pf, simulate)?;
             let solved = context.assessed(&solved, &learned);
@@ -96,40 +91,31 @@ pub fn optimise(
             if !context.reserve(&solved, &bounds) && round < MOST_ROUNDS {
                 continue;
             }
-            let reason = if left == 0 {
-                format!("the budget of {budget} simulations is spent")
-            } else {
-                format!("{MOST_ROUNDS} rounds have passed")
-            };
+            let spent = format!("the budget of {budget} simulations is spent");
+            let reason = if left == 0 { spent } else { format!("{MOST_ROUNDS} rounds have passed") };
             break (solved, region, bounds, Some(reason));
         }
-        learned = if near {
-            campaign.learn(&inputs, left, pf, simulate)?
-        } else {
-            visited = true;
-            campaign.learn(&trust::of_visit(problem, &inputs), visit.min(left), pf, simulate)?
+        visited |= near.is_none();
+        learned = match near {
+            Some(_) => campaign.learn(&inputs, left, pf, simulate)?,
+            None => campaign.learn(&trust::of_visit(problem, &inputs), visit.min(left), pf, simulate)?,
         };
-        let ended = learned.stop != StopReason::Budget;
-        last = Some((inputs, ended));
+        last = Some((inputs, learned.stop != StopReason::Budget));
         centre.clone_from(&solved.y);
     };
     let added = campaign.simulations() - before;
     let at_present = campaign.learn(&context.reference, 0, allowed, simulate)?;
-    let confirmed = reason.is_none();
-    let stopped_because =
-        reason.unwrap_or_else(|| "the optimum and the reliabilities simulated there agree".to_owned());
-    let evaluations = Simulations { study: before, added };
-    let finding = Finding { solved, region, bounds, confirmed, stopped_because, evaluations, present };
-    Ok(finding.result(&context, &learned, &at_present))
+    let (context, learned, at_present) = (&context, &learned, &at_present);
+    let finding = Finding { context, learned, at_present, solved, region, bounds, present };
+    Ok(finding.result(Simulations { study: before, added }, reason))
 }
 
 impl Solved {
     /// The least failure probability that matters to a target: the one it allows, or that of the design if it is larger.
     fn least_probability(&self, problem: &DesignProblem) -> f64 {
-        let of = |(value, target): (&TargetValue, &super::ReliabilityTarget)| {
-            value.estimate.probability.max(1.0 - target.reliability)
-        };
-        self.values.iter().zip(&problem.targets).map(of).fold(1.0, f64::min)
+        let both = self.values.iter().zip(&problem.targets);
+        both.map(|(value, target)| value.estimate.probability.max(1.0 - target.reliability))
+            .fold(1.0, f64::min)
     }
 }
 
@@ -139,36 +125,33 @@ const ACTIVE: f64 = 1e-3;
 const ON_BOUND: f64 = 1e-3;
 /// Relative change below which a quantity is kept [1].
 const KEPT: f64 = 0.01;
+/// Reason of an end with confirmation.
+const AGREEMENT: &str = "the optimum and the reliabilities simulated there agree";
 /// Factors on the failure probabilities of the targets for the front.
 const FRONT: [f64; 4] = [4.0, 2.0, 0.5, 0.25];
 
 /// What the loop has found.
-pub(super) struct Finding {
-    pub solved: Solved,
+struct Finding<'a> {
+    context: &'a Context<'a>,
+    /// Campaigns at the design found, and at the study's.
+    learned: &'a CampaignResult,
+    at_present: &'a CampaignResult,
+    solved: Solved,
     /// Region in which the design was sought `(q,)`.
-    pub region: Vec<(f64, f64)>,
+    region: Vec<(f64, f64)>,
     /// Lower bounds of the targets that have a confidence `(targets,)` [1].
-    pub bounds: Vec<Option<f64>>,
-    pub confirmed: bool,
-    pub stopped_because: String,
-    pub evaluations: Simulations,
+    bounds: Vec<Option<f64>>,
     /// Values of the quantities in the study `(q,)` [SI].
-    pub present: Vec<f64>,
+    present: Vec<f64>,
 }
 
-impl Finding {
-    /// The result; `learned` is a campaign at the design found, `at_present` one at the study's.
-    pub fn result(
-        &self,
-        context: &Context<'_>,
-        learned: &CampaignResult,
-        at_present: &CampaignResult,
-    ) -> OptimisationResult {
-        let problem = context.problem;
-        let Finding { solved, present, region, .. } = self;
+impl Finding<'_> {
+    /// The result after these simulations; `stopped` is the reason of an end without confirmation.
+    fn result(&self, evaluations: Simulations, stopped: Option<String>) -> OptimisationResult {
+        let Finding { solved, present, region, context: Context { problem, .. }, .. } = self;
         let held = trust::held(region, &solved.y);
-        let values = values_of(problem, &solved.y);
-        let targets = self.targets(context, learned, at_present);
+        let values = problem.values(&solved.y);
+        let targets = self.targets();
         let variance = |target: &OptimisedTarget| {
             let beta = -standard_normal_quantile(1.0 - target.reliability);
             (target.multiplier * target.standard_error / standard_normal_pdf(beta).max(1e-300)).powi(2)
@@ -176,22 +159,18 @@ impl Finding {
         let cost_standard_error = targets.iter().map(variance).sum::<f64>().sqrt();
         let quantity = |k: usize| {
             let quantity = &problem.quantities[k];
-            let (was, is) = (present[k], values[k]);
-            let si = quantity.unit.si;
-            let at = solved.y[k];
-            let on_bound = match at {
-                at if at < ON_BOUND => Some(Bound::Lower),
-                at if at > 1.0 - ON_BOUND => Some(Bound::Upper),
-                _ => None,
-            };
-            let spread = quantity.kind.is_spread();
-            let scale = if spread { was.abs() } else { (quantity.upper - quantity.lower).abs() };
-            let advice = match is - was {
-                change if change.abs() <= KEPT * scale => Advice::Keep,
-                change if change < 0.0 && spread => Advice::Tighten,
-                _ if spread => Advice::Loosen,
-                change if change < 0.0 => Advice::Lower,
-                _ => Advice::Raise,
+            let (was, is, at, si) = (present[k], values[k], solved.y[k], quantity.unit.si);
+            let at_lower = (at < ON_BOUND).then_some("lower");
+            let on_bound = at_lower.or((at > 1.0 - ON_BOUND).then_some("upper"));
+            let is_spread = quantity.kind.is_spread();
+            let scale = if is_spread { was.abs() } else { (quantity.upper - quantity.lower).abs() };
+            let change = is - was;
+            let advice = match (is_spread, change < 0.0) {
+                _ if change.abs() <= KEPT * scale => "keep",
+                (true, true) => "tighten",
+                (true, false) => "loosen",
+                (false, true) => "lower",
+                (false, false) => "raise",
             };
             let nearest =
                 quantity.grades.iter().min_by(|a, b| (a.width - is).abs().total_cmp(&(b.width - is).abs()));
@@ -204,7 +183,7 @@ impl Finding {
                 upper: quantity.upper / si,
                 grade: nearest.map(|grade| grade.name.clone()),
                 on_bound,
-                supported: [region[k].0, region[k].1].map(|y| value(quantity, y) / si),
+                supported: [region[k].0, region[k].1].map(|y| quantity.value(y) / si),
                 all_supported: region[k] == (0.0, 1.0),
                 held: held.contains(&k),
                 advice,
@@ -214,16 +193,16 @@ impl Finding {
         };
         OptimisationResult {
             feasible: solved.feasible,
-            confirmed: self.confirmed,
-            stopped_because: self.stopped_because.clone(),
-            evaluations: self.evaluations,
+            confirmed: stopped.is_none(),
+            stopped_because: stopped.unwrap_or_else(|| AGREEMENT.to_owned()),
+            evaluations,
             cost_before: problem.cost(present),
             cost: solved.cost,
             cost_standard_error,
             quantities: (0..values.len()).map(quantity).collect(),
             targets,
-            confidence_cost: self.confidence_cost(context, learned),
-            front: if held.is_empty() { self.front(context, learned) } else { vec![] },
+            confidence_cost: self.confidence_cost(),
+            front: if held.is_empty() { self.front() } else { vec![] },
             grades: solved.grades,
             values,
         }
@@ -231,8 +210,8 @@ impl Finding {
 
     /// The cheapest design with continuous quantities on the last surrogates for constraints `beta` `(targets,)`, and whether it lies
     /// within the region.
-    fn cheapest(&self, context: &Context<'_>, learned: &CampaignResult, beta: &[f64]) -> (Solved, bool) {
-        let mut reliability = context.reliability(learned, &self.solved.y);
+    fn cheapest(&self, beta: &[f64]) -> (Solved, bool) {
+        let mut reliability = self.context.reliability(self.learned, &self.solved.y);
         reliability.region.clone_from(&self.region);
         let constraints = reliability.constraints.iter_mut().zip(beta);
         constraints.for_each(|(constraint, beta)| constraint.beta = *beta);
@@ -242,20 +221,20 @@ impl Finding {
     }
 
     /// What the confidence of the targets costs, against the estimates alone; `None` without one or without an optimum.
-    fn confidence_cost(&self, context: &Context<'_>, learned: &CampaignResult) -> Option<f64> {
+    fn confidence_cost(&self) -> Option<f64> {
         self.bounds.iter().flatten().next()?;
-        let beta: Vec<f64> =
-            context.problem.targets.iter().map(|target| index_of(1.0 - target.reliability)).collect();
-        let (found, inside) = self.cheapest(context, learned, &beta);
+        let targets = &self.context.problem.targets;
+        let beta: Vec<f64> = targets.iter().map(|target| index_of(1.0 - target.reliability)).collect();
+        let (found, inside) = self.cheapest(&beta);
         let is_optimum = self.solved.feasible && found.feasible && inside;
         is_optimum.then_some(self.solved.relaxed_cost - found.cost)
     }
 
     /// Least costs for stricter and looser targets, on the last surrogates.
-    fn front(&self, context: &Context<'_>, learned: &CampaignResult) -> Vec<FrontPoint> {
-        let solved = &self.solved;
-        let allowed: Vec<f64> =
-            context.problem.targets.iter().map(|target| 1.0 - target.reliability).collect();
+    fn front(&self) -> Vec<FrontPoint> {
+        let Self { solved, context, .. } = self;
+        let targets: Vec<f64> = context.problem.targets.iter().map(|target| target.reliability).collect();
+        let allowed: Vec<f64> = targets.iter().map(|r| 1.0 - r).collect();
         let point = |factor: f64| {
             let targets: Vec<f64> = allowed.iter().map(|p| 1.0 - factor * p).collect();
             // With the reserve of the optimum.
@@ -263,48 +242,33 @@ impl Finding {
             let beta: Vec<f64> =
                 beta.map(|(p, own)| index_of(factor * p) + (own.beta - index_of(*p))).collect();
             // What the region holds, or what it may hide, is not known.
-            let (found, inside) = self.cheapest(context, learned, &beta);
+            let (found, inside) = self.cheapest(&beta);
             let whole = self.region.iter().all(|ends| *ends == (0.0, 1.0));
             let unsupported = !inside || !(found.feasible || whole);
-            FrontPoint {
-                factor,
-                targets,
-                cost: (found.feasible && inside).then_some(found.cost),
-                unsupported,
-            }
+            let cost = (found.feasible && inside).then_some(found.cost);
+            FrontPoint { factor, targets, cost, unsupported }
         };
         let mut points: Vec<FrontPoint> =
             FRONT.into_iter().filter(|factor| allowed.iter().all(|p| factor * p < 1.0)).map(point).collect();
-        let own = FrontPoint {
-            factor: 1.0,
-            targets: context.problem.targets.iter().map(|target| target.reliability).collect(),
-            cost: solved.feasible.then_some(solved.relaxed_cost),
-            unsupported: false,
-        };
+        let cost = solved.feasible.then_some(solved.relaxed_cost);
+        let own = FrontPoint { factor: 1.0, targets, cost, unsupported: false };
         let place = points.iter().position(|point| point.factor < 1.0).unwrap_or(points.len());
         points.insert(place, own);
         points
     }
 
-    fn targets(
-        &self,
-        context: &Context<'_>,
-        learned: &CampaignResult,
-        at_present: &CampaignResult,
-    ) -> Vec<OptimisedTarget> {
-        let solved = &self.solved;
-        let counted = learned.reliability();
-        let counted_before = at_present.reliability();
+    fn targets(&self) -> Vec<OptimisedTarget> {
+        let Self { solved, context, learned, at_present, .. } = self;
+        let counted = [at_present, learned].map(|campaign| campaign.reliability());
         let target = |i: usize| {
             let target = &context.problem.targets[i];
-            let (curve, column) = context.places[i];
+            let Constraint { curve, column, beta, .. } = context.constraints[i];
             let value = &solved.values[i];
             let surrogate = TargetCampaign::surrogate_error(learned, curve, column);
             let standard_error = surrogate.hypot(value.estimate.standard_error);
             let reliability = 1.0 - value.estimate.probability;
-            let point = counted[curve][column];
-            let was = counted_before[curve][column];
-            OptimisedTarget {
+            let [was, point] = [0, 1].map(|k: usize| counted[k][curve][column]);
+            let optimised = OptimisedTarget {
                 name: target.name.clone(),
                 limit_state: target.limit_state,
                 cycles: target.cycles,
@@ -315,16 +279,16 @@ impl Finding {
                 standard_error,
                 counted: point.reliability,
                 counted_standard_error: point.standard_error,
-                active: value.beta - context.constraints[i].beta < ACTIVE || solved.multipliers[i] > 0.0,
+                active: value.beta - beta < ACTIVE || solved.multipliers[i] > 0.0,
                 met: false,
                 state: TargetState::NotMet,
                 interval: [-REACH, REACH].map(|reach| (reliability + reach * standard_error).clamp(0.0, 1.0)),
                 multiplier: solved.multipliers[i],
                 confidence: target.confidence,
                 at_least: self.bounds[i],
-            }
+            };
+            optimised.judged(solved.feasible)
         };
-        let with_state = |i: usize| target(i).judged(solved.feasible);
-        (0..context.problem.targets.len()).map(with_state).collect()
+        (0..context.problem.targets.len()).map(target).collect()
     }
 }

@@ -7,6 +7,7 @@ use crate::statistics::design::{InputModel, with_moments};
 use crate::statistics::optimisation::CostModel;
 use common::random::{Distribution, LawError};
 use common::scene::Scene;
+use std::collections::BTreeSet;
 
 /// Parameter of a random variable that a design changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -71,6 +72,20 @@ pub struct DesignQuantity {
 }
 
 impl DesignQuantity {
+    /// Value at the place y in [0, 1] between the bounds [SI].
+    pub fn value(&self, y: f64) -> f64 {
+        let Self { lower, upper, .. } = self;
+        if self.kind.is_spread() { lower * (upper / lower).powf(y) } else { lower + (upper - lower) * y }
+    }
+
+    /// The place y of a value [SI], within [0, 1].
+    pub fn place(&self, value: f64) -> f64 {
+        let Self { lower, upper, .. } = self;
+        let linear = (value - lower) / (upper - lower);
+        let y = if self.kind.is_spread() { (value / lower).ln() / (upper / lower).ln() } else { linear };
+        if y.is_finite() { y.clamp(0.0, 1.0) } else { 0.0 }
+    }
+
     /// Cost at the value [SI] and its derivative [1/SI].
     pub fn cost_at(&self, value: f64) -> (f64, f64) {
         let (cost, slope) = self.cost.at(value / self.cost_unit);
@@ -118,12 +133,15 @@ pub struct StudiedDesigns {
 }
 
 impl DesignProblem {
+    /// Values of the quantities at the places y `(q,)` [SI].
+    pub fn values(&self, y: &[f64]) -> Vec<f64> {
+        self.quantities.iter().zip(y).map(|(quantity, y)| quantity.value(*y)).collect()
+    }
+
     /// Values of the quantities in a study with these inputs `(q,)` [SI].
     pub fn present(&self, inputs: &InputModel) -> Vec<f64> {
-        self.quantities
-            .iter()
-            .map(|quantity| quantity.kind.of(&inputs.variables()[quantity.variables[0]]))
-            .collect()
+        let own = |quantity: &DesignQuantity| quantity.kind.of(&inputs.variables()[quantity.variables[0]]);
+        self.quantities.iter().map(own).collect()
     }
 
     /// Distributions of the variables with these values of the quantities `(q,)` [SI].
@@ -131,8 +149,8 @@ impl DesignProblem {
     /// # Errors
     /// [`LawError`] of the first distribution that does not exist.
     pub fn variables(&self, inputs: &InputModel, values: &[f64]) -> Result<Vec<Distribution>, LawError> {
-        let mut moments: Vec<(f64, f64)> =
-            inputs.variables().iter().map(|law| (law.parent_mean(), law.given_std())).collect();
+        let moments = inputs.variables().iter().map(|law| (law.parent_mean(), law.given_std()));
+        let mut moments: Vec<(f64, f64)> = moments.collect();
         let mut changed = vec![false; moments.len()];
         for follower in self.designs.iter().flat_map(|designs| &designs.followers) {
             let Some(value) = self.value_of(follower.leader, values) else { continue };
@@ -144,10 +162,11 @@ impl DesignProblem {
         for (quantity, value) in self.quantities.iter().zip(values) {
             for k in &quantity.variables {
                 changed[*k] = true;
+                let (mean, std) = &mut moments[*k];
                 match quantity.kind {
-                    QuantityKind::Mean => moments[*k].0 = *value,
-                    QuantityKind::Std => moments[*k].1 = *value,
-                    QuantityKind::Tolerance { capability } => moments[*k].1 = value / (6.0 * capability),
+                    QuantityKind::Mean => *mean = *value,
+                    QuantityKind::Std => *std = *value,
+                    QuantityKind::Tolerance { capability } => *std = value / (6.0 * capability),
                 }
             }
         }
@@ -169,23 +188,16 @@ impl DesignProblem {
 
     /// Value of the quantity that is the mean of variable `k` [SI]; `None` if there is none.
     fn value_of(&self, k: usize, values: &[f64]) -> Option<f64> {
-        let is_mean = |quantity: &DesignQuantity| {
-            quantity.kind == QuantityKind::Mean && quantity.variables.contains(&k)
-        };
+        let is_mean = |q: &DesignQuantity| q.kind == QuantityKind::Mean && q.variables.contains(&k);
         self.quantities.iter().position(is_mean).map(|i| values[i])
     }
 
     /// Indices of the random variables whose distributions the quantities change, ascending.
     pub fn changed_variables(&self) -> Vec<usize> {
-        let mut changed: Vec<usize> =
-            self.quantities.iter().flat_map(|quantity| quantity.variables.iter().copied()).collect();
+        let own = || self.quantities.iter().flat_map(|quantity| quantity.variables.iter().copied());
         let followers = self.designs.iter().flat_map(|designs| &designs.followers);
-        let led: Vec<usize> =
-            followers.filter(|follower| changed.contains(&follower.leader)).map(|f| f.variable).collect();
-        changed.extend(led);
-        changed.sort_unstable();
-        changed.dedup();
-        changed
+        let led = followers.filter(|follower| own().any(|k| k == follower.leader)).map(|f| f.variable);
+        own().chain(led).collect::<BTreeSet<_>>().into_iter().collect()
     }
 
     /// Cost of a design `(q,)` [SI].
@@ -205,9 +217,8 @@ impl DesignProblem {
             let setting = |key: &str, value: f64| {
                 format!("{}.{key}={}", variable.name, written_value(value, &variable.unit))
             };
-            let mean = setting("mean", law.parent_mean());
             let std = (!law.is_constant()).then(|| setting("std", law.given_std()));
-            std::iter::once(mean).chain(std).collect::<Vec<_>>()
+            [Some(setting("mean", law.parent_mean())), std].into_iter().flatten()
         });
         Ok(settings.collect())
     }

@@ -13,20 +13,7 @@ use toml::Value;
 const GRADES: std::ops::RangeInclusive<u8> = 5..=12;
 
 /// The words of `model`.
-#[derive(Clone, Copy)]
-enum CostWord {
-    ReciprocalPower,
-    Exponential,
-    Linear,
-    Table,
-}
-
-const MODELS: [(&str, CostWord); 4] = [
-    ("reciprocal-power", CostWord::ReciprocalPower),
-    ("exponential", CostWord::Exponential),
-    ("linear", CostWord::Linear),
-    ("table", CostWord::Table),
-];
+const MODELS: [&str; 4] = ["reciprocal-power", "exponential", "linear", "table"];
 
 /// The grades of a quantity by ascending width; none if it has none. `word` is its parameter, as far as it is known.
 pub(super) fn grades(row: &mut Section, word: Option<&str>, unit: Option<&ShownUnit>) -> Vec<Grade> {
@@ -37,19 +24,17 @@ pub(super) fn grades(row: &mut Section, word: Option<&str>, unit: Option<&ShownU
         return vec![];
     }
     let names = row.texts("grades", "a list of grades, e.g. [\"IT6\", \"IT7\"]").unwrap_or_default();
-    let diameter = row.quantity("diameter", LENGTH, Range::Positive);
+    // Names are checked at a size of every table if the one meant is not known.
+    let diameter = row.quantity("diameter", LENGTH, Range::Positive).unwrap_or(0.01);
     let is_length = unit.is_none_or(|unit| unit.kind.dimension == LENGTH.dimension);
     if word.is_some_and(|word| word != "tolerance") || !is_length {
         row.inconsistent("grades", "grades are for the tolerance of a length, e.g. \"rod_length.tolerance\"");
     }
-    let mut grades: Vec<Grade> = Vec::new();
-    // Names are checked at a size of every table if the one meant is not known.
-    for name in &names {
-        match grade_width(name, diameter.unwrap_or(0.01)) {
-            Ok(width) => grades.push(Grade { name: (*name).to_owned(), width }),
-            Err(what) => row.inconsistent("grades", what),
-        }
-    }
+    let grade = |name: &&str| {
+        let width = grade_width(name, diameter).map_err(|what| row.inconsistent("grades", what)).ok()?;
+        Some(Grade { name: (*name).to_owned(), width })
+    };
+    let mut grades: Vec<Grade> = names.iter().filter_map(grade).collect();
     grades.sort_by(|a, b| a.width.total_cmp(&b.width));
     if grades.windows(2).any(|pair| pair[0].width == pair[1].width) {
         row.inconsistent("grades", "a grade is named twice");
@@ -60,11 +45,7 @@ pub(super) fn grades(row: &mut Section, word: Option<&str>, unit: Option<&ShownU
 }
 
 /// The cost of a quantity and the unit of the quantity in it [SI]. `unit` is that of the quantity, as far as it is known.
-pub(super) fn cost(
-    row: &mut Section,
-    unit: Option<&ShownUnit>,
-    grades: &[Grade],
-) -> Option<(CostModel, f64)> {
+pub fn cost(row: &mut Section, unit: Option<&ShownUnit>, grades: &[Grade]) -> Option<(CostModel, f64)> {
     let mut row = row.section("cost", "a table { model, ... }")?;
     let text = row.text_or("unit", "a unit", "").filter(|text| !text.is_empty());
     let read = text.map(|text| read_unit(text).map_err(|error| error.to_string()));
@@ -79,27 +60,31 @@ pub(super) fn cost(
             1.0
         }
     };
-    let word = row.word("model", &MODELS)?;
-    let model = if let CostWord::Table = word {
-        table(&mut row, unit, grades, cost_unit).map(CostModel::Table)
-    } else {
+    let model = match row.word("model", &MODELS.map(|word| (word, word)))? {
+        "table" => table(&mut row, unit, grades, cost_unit).map(CostModel::Table),
+        "linear" => {
+            let (c0, c1) = coefficients(&mut row, Range::Any);
+            c0.zip(c1).map(|(c0, c1)| CostModel::Linear { c0, c1 })
+        }
         // A wider tolerance costs less.
-        let range = if let CostWord::Linear = word { Range::Any } else { Range::Positive };
-        let c0 = row.quantity_or("c0", NUMBER, Range::Any, 0.0);
-        let c1 = row.quantity("c1", NUMBER, range);
-        let k = match word {
-            CostWord::ReciprocalPower => row.quantity_or("k", NUMBER, Range::Positive, 1.0),
-            CostWord::Exponential => row.quantity("k", NUMBER, Range::Positive),
-            CostWord::Linear | CostWord::Table => Some(1.0),
-        };
-        c0.zip(c1).zip(k).map(|((c0, c1), k)| match word {
-            CostWord::ReciprocalPower => CostModel::ReciprocalPower { c0, c1, k },
-            CostWord::Exponential => CostModel::Exponential { c0, c1, k },
-            CostWord::Linear | CostWord::Table => CostModel::Linear { c0, c1 },
-        })
+        "exponential" => {
+            let (c0, c1) = coefficients(&mut row, Range::Positive);
+            let k = row.quantity("k", NUMBER, Range::Positive);
+            c0.zip(c1).zip(k).map(|((c0, c1), k)| CostModel::Exponential { c0, c1, k })
+        }
+        _ => {
+            let (c0, c1) = coefficients(&mut row, Range::Positive);
+            let k = row.quantity_or("k", NUMBER, Range::Positive, 1.0);
+            c0.zip(c1).zip(k).map(|((c0, c1), k)| CostModel::ReciprocalPower { c0, c1, k })
+        }
     };
     row.finish();
     Some((model?, cost_unit))
+}
+
+/// The coefficients `c0` and `c1` of a cost.
+fn coefficients(row: &mut Section, range: Range) -> (Option<f64>, Option<f64>) {
+    (row.quantity_or("c0", NUMBER, Range::Any, 0.0), row.quantity("c1", NUMBER, range))
 }
 
 fn table(row: &mut Section, unit: Option<&ShownUnit>, grades: &[Grade], cost_unit: f64) -> Option<CostTable> {
@@ -126,16 +111,15 @@ fn table(row: &mut Section, unit: Option<&ShownUnit>, grades: &[Grade], cost_uni
     let read: Vec<Option<(f64, f64)>> = rows.iter().enumerate().map(read).collect();
     let mut points: Vec<(f64, f64)> = read.into_iter().collect::<Option<_>>()?;
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
-    CostTable::new(&points).map_err(|error| row.inconsistent("points", error.to_string())).ok()
+    CostTable::new(&points).map_err(|error| row.inconsistent("points", error)).ok()
 }
 
 /// Width of the tolerance zone of a grade at a nominal size [m], from the tables of ISO 286-1. IT12 is ten times IT7, as
 /// from IT6 on every fifth step multiplies by ten.
 pub(super) fn grade_width(name: &str, diameter: f64) -> Result<f64, String> {
     let number = name.strip_prefix("IT").and_then(|number| number.parse::<u8>().ok());
-    let Some(number) = number.filter(|number| GRADES.contains(number)) else {
-        return Err(format!("{name:?}: allowed are IT5 to IT12"));
-    };
+    let number = number.filter(|number| GRADES.contains(number));
+    let number = number.ok_or_else(|| format!("{name:?}: allowed are IT5 to IT12"))?;
     let (number, factor) = if number == 12 { (7, 10.0) } else { (number, 1.0) };
     let class = ToleranceClass::parse(&format!("js{number}")).map_err(|error| error.to_string())?;
     let (lower, upper) = class.deviations(diameter).map_err(|error| error.to_string())?;

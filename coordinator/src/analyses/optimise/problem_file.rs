@@ -1,6 +1,7 @@
 //! Reader of the file of an optimisation problem, TOML; every fault is reported at once.
 
 use super::problem::{DesignProblem, DesignQuantity, Grade, QuantityKind, ReliabilityTarget, StudiedDesigns};
+use super::problem_costs;
 use crate::analyses::designs::{DesignSpace, DesignVariable};
 use crate::analyses::quantity::{ShownUnit, checkpoint, limit_state};
 use crate::statistics::design::{InputModel, fixed_bounds};
@@ -38,11 +39,13 @@ pub fn read(
         let quantities: Vec<_> = rows[0].iter_mut().map(|row| reader.quantity(row)).collect();
         let targets = rows[1].iter_mut().filter_map(|row| reader.target(row)).collect();
         for (place, quantity) in quantities.iter().enumerate() {
-            if let Some(other) =
-                quantities[..place].iter().flatten().find(|other| changes_same(other, quantity))
-            {
-                let name = quantity.as_ref().map_or("", |quantity| &quantity.name);
-                let message = format!("{name} changes what {} changes already", other.name);
+            let Some(quantity) = quantity else { continue };
+            let is_same = |other: &&DesignQuantity| {
+                other.kind.is_spread() == quantity.kind.is_spread()
+                    && other.variables.iter().any(|k| quantity.variables.contains(k))
+            };
+            if let Some(other) = quantities[..place].iter().flatten().find(is_same) {
+                let message = format!("{} changes what {} changes already", quantity.name, other.name);
                 file.inconsistent(&format!("quantities[{}].change", place + 1), message);
             }
         }
@@ -50,17 +53,8 @@ pub fn read(
         DesignProblem { quantities, targets, fixed_bounds: fixed_bounds(source), designs: None }
     })?;
     file.refuse_for(reader.impossible_bounds(&problem))?;
-    match designs {
-        Some((space, studied)) => for_designs(problem, space, studied, file),
-        None => Ok(problem),
-    }
-}
-
-/// True if two quantities change the same parameter of a variable.
-fn changes_same(a: &DesignQuantity, b: &Option<DesignQuantity>) -> bool {
-    b.as_ref().is_some_and(|b| {
-        a.kind.is_spread() == b.kind.is_spread() && a.variables.iter().any(|k| b.variables.contains(k))
-    })
+    let Some((space, studied)) = designs else { return Ok(problem) };
+    for_designs(problem, space, studied, file)
 }
 
 /// The problem, read for the present design of a study with the design variables of `space` and the `augmented` scene.
@@ -78,22 +72,20 @@ fn for_designs(
     let mut faults = Vec::new();
     for (place, quantity) in problem.quantities.iter().enumerate() {
         let own = space.quantities().into_iter().filter(|(_, k, _)| quantity.variables.contains(k));
-        for (variable, k, _) in own {
-            let key = format!("quantities[{}]", place + 1);
+        for (design @ DesignVariable { key, lower: first, upper: last, .. }, k, _) in own {
+            let mut refuse = |what: String| faults.push((format!("quantities[{}]", place + 1), what));
             let (lower, upper) = augmented.variables[k].distribution.support();
             let margin = ROUNDING * (upper - lower);
             if quantity.lower < lower - margin || quantity.upper > upper + margin {
-                let range = [variable.lower, variable.upper].map(|end| variable.with_unit(end)).join(" to ");
-                let what = format!("the study has designs with {} from {range} only", variable.key);
-                faults.push((key.clone(), what));
+                let range = [*first, *last].map(|end| design.with_unit(end)).join(" to ");
+                refuse(format!("the study has designs with {key} from {range} only"));
             }
             if let Some(bent) = followers.iter().find(|f| f.leader == k && !f.is_straight) {
-                let what = format!(
-                    "the distribution of {} does not follow {} along a straight line, which an optimum needs; give the mean \
-                     of {0} as a quantity instead",
-                    augmented.variables[bent.variable].name, variable.key
-                );
-                faults.push((key, what));
+                let name = &augmented.variables[bent.variable].name;
+                refuse(format!(
+                    "the distribution of {name} does not follow {key} along a straight line, which an optimum needs; give the mean \
+                     of {name} as a quantity instead"
+                ));
             }
         }
     }
@@ -113,8 +105,7 @@ impl ProblemReader<'_> {
     fn quantity(&self, row: &mut Section) -> Option<DesignQuantity> {
         let expected = "VARIABLE.mean, VARIABLE.std or VARIABLE.tolerance, or a list of them";
         let changes = row.text_or_texts("change", expected).unwrap_or_default();
-        let found: Vec<(usize, &str)> =
-            changes.iter().filter_map(|change| self.variable_of(row, change)).collect();
+        let found: Vec<_> = changes.iter().filter_map(|change| self.variable_of(row, change)).collect();
         let word = found.first().map(|(_, word)| *word);
         if found.iter().any(|(_, other)| Some(*other) != word) {
             row.inconsistent("change", "one quantity changes means, standard deviations or tolerances, not several of them; give each its own [[quantities]]");
@@ -131,9 +122,9 @@ impl ProblemReader<'_> {
         let variables: Vec<usize> = found.iter().map(|(k, _)| *k).collect();
         let unit = variables.first().map(|k| self.unit_of(*k));
         self.check_equal(row, &variables, kind);
-        let grades = super::problem_costs::grades(row, word, unit.as_ref());
+        let grades = problem_costs::grades(row, word, unit.as_ref());
         let (lower, upper) = self.bounds(row, variables.first().copied(), kind, &grades);
-        let cost = super::problem_costs::cost(row, unit.as_ref(), &grades);
+        let cost = problem_costs::cost(row, unit.as_ref(), &grades);
         row.finish();
         let ((cost, cost_unit), unit) = (cost?, unit?);
         let name = changes.join(", ");
@@ -154,19 +145,18 @@ impl ProblemReader<'_> {
             return None;
         };
         let k = row.meant("change", "random variable", name, variables);
-        let Some(word) = PARAMETERS.into_iter().find(|known| *known == word) else {
+        let known = PARAMETERS.into_iter().find(|known| *known == word);
+        if known.is_none() {
             row.fault("change", FaultKind::unknown_word(word, PARAMETERS.into_iter()));
-            return None;
-        };
-        let k = k?;
+        }
+        let (word, k) = (known?, k?);
         let law = &self.scene.variables[k].distribution;
         if word != "mean" && law.is_constant() {
             row.inconsistent("change", format!("{change:?}: a constant has no spread"));
         }
         if matches!(law, Distribution::Triangular(_)) {
-            let what =
-                "a triangular variable is given by its bounds and its mode, which an optimum does not change";
-            row.inconsistent("change", format!("{change:?}: {what}"));
+            let what = "is given by its bounds and its mode, which an optimum does not change";
+            row.inconsistent("change", format!("{change:?}: a triangular variable {what}"));
         }
         Some((k, word))
     }
@@ -179,14 +169,14 @@ impl ProblemReader<'_> {
     fn check_equal(&self, row: &Section, variables: &[usize], kind: QuantityKind) {
         let value = |k: usize| kind.of(&self.scene.variables[k].distribution);
         let Some((&first, others)) = variables.split_first() else { return };
-        let differs = others.iter().copied().find(|k| {
-            (value(*k) - value(first)).abs() > SAME * value(first).abs()
-                || self.unit_of(*k).kind.dimension != self.unit_of(first).kind.dimension
-        });
-        if let Some(other) = differs {
-            let name = |k: usize| &self.scene.variables[k].name;
+        let differs = |k: &&usize| {
+            (value(**k) - value(first)).abs() > SAME * value(first).abs()
+                || self.unit_of(**k).kind.dimension != self.unit_of(first).kind.dimension
+        };
+        if let Some(other) = others.iter().find(differs) {
+            let [first, other] = [first, *other].map(|k| &self.scene.variables[k].name);
             let what = "have different values in the study; give each its own [[quantities]]";
-            row.inconsistent("change", format!("{} and {} {what}", name(first), name(other)));
+            row.inconsistent("change", format!("{first} and {other} {what}"));
         }
     }
 
@@ -197,8 +187,8 @@ impl ProblemReader<'_> {
         kind: QuantityKind,
         grades: &[Grade],
     ) -> (f64, f64) {
-        let (given, bounds) = (row.get("grades").is_some(), ["lower", "upper"]);
-        if given {
+        let bounds = ["lower", "upper"];
+        if row.get("grades").is_some() {
             if bounds.into_iter().any(|key| row.get(key).is_some()) {
                 row.inconsistent("grades", "give either grades, or lower and upper, not both");
             }
@@ -253,19 +243,19 @@ impl ProblemReader<'_> {
         for (place, quantity) in problem.quantities.iter().enumerate() {
             let shares =
                 |other: &DesignQuantity| other.variables.iter().any(|k| quantity.variables.contains(k));
-            let others: Vec<usize> = (0..problem.quantities.len())
-                .filter(|other| *other != place && shares(&problem.quantities[*other]))
-                .collect();
             for (bound, value) in [("lower", quantity.lower), ("upper", quantity.upper)] {
-                let mut values = problem.present(&inputs);
-                values[place] = value;
-                let with_others = |bound: fn(&DesignQuantity) -> f64| {
-                    let mut values = values.clone();
-                    others.iter().for_each(|o| values[*o] = bound(&problem.quantities[*o]));
-                    values
+                let present = problem.present(&inputs);
+                // The other quantities of its variables where they are, or at their bounds.
+                let at = |k: usize, end: fn(&DesignQuantity) -> Option<f64>| match &problem.quantities[k] {
+                    _ if k == place => value,
+                    other if shares(other) => end(other).unwrap_or(present[k]),
+                    _ => present[k],
                 };
-                let corners = [values.clone(), with_others(|q| q.lower), with_others(|q| q.upper)];
-                let error = corners.iter().find_map(|values| problem.variables(&inputs, values).err());
+                let ends: [fn(&DesignQuantity) -> _; 3] = [|_| None, |q| Some(q.lower), |q| Some(q.upper)];
+                let error = ends.into_iter().find_map(|end| {
+                    let values: Vec<f64> = (0..present.len()).map(|k| at(k, end)).collect();
+                    problem.variables(&inputs, &values).err()
+                });
                 if let Some(error) = error {
                     let what = format!("{}: {error} [SI]", self.shown(quantity.variables[0], value));
                     faults.push((format!("quantities[{}].{bound}", place + 1), what));

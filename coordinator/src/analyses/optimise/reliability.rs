@@ -18,7 +18,7 @@ use crate::statistics::design::InputModel;
 use crate::statistics::optimisation::Program;
 use crate::statistics::reliability::{LineEstimate, LineSampling};
 use crate::statistics::surrogate::Kriging;
-use common::random::{standard_normal_pdf, standard_normal_quantile};
+use common::random::{LawError, standard_normal_pdf, standard_normal_quantile};
 use faer::{Mat, MatRef};
 use rayon::prelude::*;
 use std::cell::RefCell;
@@ -53,6 +53,8 @@ pub(super) struct ModeSurrogate<'a> {
 pub(super) struct Constraint {
     /// Indices of its modes among the surrogates.
     pub modes: Vec<usize>,
+    /// Index of its curve in the campaigns.
+    pub curve: usize,
     /// Index of its checkpoint among the columns of the surrogates.
     pub column: usize,
     /// Reliability index to be reached.
@@ -129,18 +131,13 @@ impl<'a> DesignReliability<'a> {
         self.lines = self.constraints.iter().map(place).collect();
     }
 
-    /// Values of the quantities at y `(q,)` [SI].
-    pub fn values(&self, y: &[f64]) -> Vec<f64> {
-        self.problem.quantities.iter().zip(y).map(|(quantity, y)| value(quantity, *y)).collect()
-    }
-
-    fn inputs(&self, y: &[f64]) -> Result<InputModel, common::random::LawError> {
-        self.problem.inputs(self.reference, &self.values(y))
+    fn inputs(&self, y: &[f64]) -> Result<InputModel, LawError> {
+        self.problem.inputs(self.reference, &self.problem.values(y))
     }
 
     /// Cost of the design y.
     pub fn cost(&self, y: &[f64]) -> f64 {
-        self.problem.cost(&self.values(y))
+        self.problem.cost(&self.problem.values(y))
     }
 
     /// Every target at the design y; `None` if its distributions do not exist.
@@ -191,14 +188,13 @@ impl<'a> DesignReliability<'a> {
     fn margins(&self, inputs: &InputModel, constraint: &Constraint, v: MatRef<'_, f64>) -> Mat<f64> {
         let (d, b) = (v.nrows(), v.ncols());
         let surrogates = &self.surrogates;
+        let standardised = |j: usize| {
+            let point: Vec<f64> = (0..d).map(|k| v[(k, j)]).collect();
+            inputs.standardise(&inputs.from_independent_normals(&point))
+        };
         let block = |start: usize| {
             let count = BLOCK.min(b - start);
-            let z: Vec<f64> = (start..start + count)
-                .flat_map(|j| {
-                    let point: Vec<f64> = (0..d).map(|k| v[(k, j)]).collect();
-                    inputs.standardise(&inputs.from_independent_normals(&point))
-                })
-                .collect();
+            let z: Vec<f64> = (start..start + count).flat_map(standardised).collect();
             let points = MatRef::from_column_major_slice(&z, d, count);
             let column = constraint.column;
             let margin = |mode: &usize| -> Vec<f64> {
@@ -216,17 +212,13 @@ impl<'a> DesignReliability<'a> {
 
     /// Derivatives of the index of every target by the y of the quantities `free` `(targets)(q,)`; zero for the others.
     fn index_slopes(&self, y: &[f64], free: &[usize]) -> Vec<Vec<f64>> {
-        let none = || vec![vec![0.0; y.len()]; self.constraints.len()];
-        let Some(values) = self.targets(y) else { return none() };
-        let mut slopes = none();
-        let d = self.reference.dimension();
-        let points: Vec<Mat<f64>> = values
-            .iter()
-            .map(|value| {
-                let roots = &value.estimate.roots;
-                Mat::from_fn(d, roots.len(), |k, j| roots[j].point[k])
-            })
-            .collect();
+        let mut slopes = vec![vec![0.0; y.len()]; self.constraints.len()];
+        let Some(values) = self.targets(y) else { return slopes };
+        let points = |TargetValue { estimate, .. }: &TargetValue| {
+            let roots = &estimate.roots;
+            Mat::from_fn(self.reference.dimension(), roots.len(), |k, j| roots[j].point[k])
+        };
+        let points: Vec<Mat<f64>> = values.iter().map(points).collect();
         for &k in free {
             let moved = |by: f64| {
                 let mut y = y.to_vec();
@@ -235,39 +227,22 @@ impl<'a> DesignReliability<'a> {
             };
             let (Some((low, below)), Some((high, above))) = (moved(-STEP), moved(STEP)) else { continue };
             for (i, (value, constraint)) in values.iter().zip(&self.constraints).enumerate() {
+                let both = [&above, &below];
                 let difference = if value.tangent {
-                    self.tangent_index(&above, constraint) - self.tangent_index(&below, constraint)
+                    let [above, below] = both.map(|inputs| self.tangent_index(inputs, constraint));
+                    above - below
                 } else {
-                    let y_above = self.margins(&above, constraint, points[i].as_ref());
-                    let y_below = self.margins(&below, constraint, points[i].as_ref());
+                    let [above, below] =
+                        both.map(|inputs| self.margins(inputs, constraint, points[i].as_ref()));
                     let roots = value.estimate.roots.iter().enumerate();
-                    let change: f64 = roots
-                        .map(|(j, root)| root.weight * (y_above[(root.mode, j)] - y_below[(root.mode, j)]))
-                        .sum();
-                    -change / standard_normal_pdf(value.beta)
+                    let changes = roots.map(|(j, r)| r.weight * (above[(r.mode, j)] - below[(r.mode, j)]));
+                    -changes.sum::<f64>() / standard_normal_pdf(value.beta)
                 };
                 slopes[i][k] = difference / (high - low);
             }
         }
         slopes
     }
-}
-
-/// Value of a quantity at y [SI].
-pub(super) fn value(quantity: &DesignQuantity, y: f64) -> f64 {
-    let (lower, upper) = (quantity.lower, quantity.upper);
-    if quantity.kind.is_spread() { lower * (upper / lower).powf(y) } else { lower + (upper - lower) * y }
-}
-
-/// The y of a value of a quantity [SI], within [0, 1].
-pub(super) fn place(quantity: &DesignQuantity, value: f64) -> f64 {
-    let (lower, upper) = (quantity.lower, quantity.upper);
-    let y = if quantity.kind.is_spread() {
-        (value / lower).ln() / (upper / lower).ln()
-    } else {
-        (value - lower) / (upper - lower)
-    };
-    if y.is_finite() { y.clamp(0.0, 1.0) } else { 0.0 }
 }
 
 /// The design as a program over some of its quantities, the others held fixed.
@@ -298,13 +273,10 @@ impl Program for FreeDesign<'_> {
         let y = self.all(free);
         let part = |k: usize| {
             let quantity = &problem.quantities[k];
-            let at = value(quantity, y[k]);
+            let DesignQuantity { lower, upper, .. } = quantity;
+            let at = quantity.value(y[k]);
             let (cost, slope) = quantity.cost_at(at);
-            let by_y = if quantity.kind.is_spread() {
-                at * (quantity.upper / quantity.lower).ln()
-            } else {
-                quantity.upper - quantity.lower
-            };
+            let by_y = if quantity.kind.is_spread() { at * (upper / lower).ln() } else { upper - lower };
             (cost / cost_scale, slope * by_y / cost_scale)
         };
         let cost = (0..y.len()).map(|k| part(k).0).sum();

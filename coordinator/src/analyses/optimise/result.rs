@@ -4,32 +4,6 @@ use crate::results::summary::{ReliabilityRange, StudySummary};
 use crate::statistics::reliability::REACH;
 use serde::Serialize;
 
-/// What the optimum asks for, compared with the study's design.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Advice {
-    /// A smaller spread.
-    Tighten,
-    /// A larger spread.
-    Loosen,
-    /// A larger mean.
-    Raise,
-    /// A smaller mean.
-    Lower,
-    /// No change beyond one hundredth.
-    Keep,
-}
-
-/// A bound that an optimum lies on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Bound {
-    /// The lower bound.
-    Lower,
-    /// The upper bound.
-    Upper,
-}
-
 /// A quantity of the design before and at the optimum.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OptimisedQuantity {
@@ -47,16 +21,17 @@ pub struct OptimisedQuantity {
     pub upper: f64,
     /// Grade at the optimum, if the quantity has grades.
     pub grade: Option<String>,
-    /// Bound on which the optimum lies.
-    pub on_bound: Option<Bound>,
+    /// Bound on which the optimum lies: `lower` or `upper`.
+    pub on_bound: Option<&'static str>,
     /// Range that the simulations support: the trust region around the last design simulated, within the bounds [unit].
     pub supported: [f64; 2],
     /// True if these are all values within the bounds.
     pub all_supported: bool,
     /// True if the trust region holds the quantity where it is: the optimum may lie beyond.
     pub held: bool,
-    /// What changes against the study.
-    pub advice: Advice,
+    /// What the optimum asks for against the study: to `tighten` or `loosen` a spread, to `raise` or `lower` a mean, or to `keep` what
+    /// changes by less than one hundredth.
+    pub advice: &'static str,
     /// Cost in the study and at the optimum.
     pub cost_before: f64,
     /// Cost at the optimum.
@@ -147,10 +122,10 @@ impl OptimisationResult {
             let row = optimum.reliability.iter().find(|row| row.cycles == target.cycles);
             let name = target.limit_state.map_or("total", |place| optimum.limit_states[place].as_str());
             if let Some(parts) = row.and_then(|row| row.parts.get(name)) {
-                let ([lower, upper], r) = (target.interval, target.reliability);
-                let reach = REACH * parts.numerical;
-                let range = ReliabilityRange { lower: r - reach, upper: r + reach };
-                let ReliabilityRange { lower, upper } = ReliabilityRange { lower, upper }.widened(r, range);
+                let (r, reach) = (target.reliability, REACH * parts.numerical);
+                let [own, range] = [target.interval, [r - reach, r + reach]]
+                    .map(|[lower, upper]| ReliabilityRange { lower, upper });
+                let ReliabilityRange { lower, upper } = own.widened(r, range);
                 target.interval = [lower, upper];
             }
             target.judged(self.feasible)

@@ -1,7 +1,6 @@
 //! The cheapest design on the present surrogates: continuous quantities, then grades.
 
-use super::problem::DesignProblem;
-use super::reliability::{DesignReliability, FreeDesign, TargetValue, place};
+use super::reliability::{DesignReliability, FreeDesign, TargetValue};
 use super::result::Grades;
 use crate::statistics::optimisation::{cheapest_choice, minimise, nearest};
 
@@ -34,29 +33,20 @@ pub(super) struct Solved {
 /// Finds the cheapest design, from several starts `(q,)`.
 pub(super) fn solve(reliability: &mut DesignReliability<'_>, starts: &[Vec<f64>]) -> Solved {
     let relaxed = solve_relaxed(reliability, starts);
-    if !reliability.problem.is_discrete() {
-        return relaxed;
-    }
-    solve_grades(reliability, relaxed)
+    if reliability.problem.is_discrete() { solve_grades(reliability, relaxed) } else { relaxed }
 }
 
 /// Finds the cheapest design with continuous quantities.
 pub(super) fn solve_relaxed(reliability: &mut DesignReliability<'_>, starts: &[Vec<f64>]) -> Solved {
-    let found = starts.iter().map(|start| from_start(reliability, start));
+    // Reliability indices of a design; all solutions compared have the same targets.
+    let least_index = |solved: &Solved| least(solved.values.iter().map(|value| value.beta));
     let better = |a: &Solved, b: &Solved| match (a.feasible, b.feasible) {
         (true, true) => a.cost <= b.cost,
-        (true, false) => true,
-        (false, true) => false,
-        (false, false) => least(reliability_gap(a)) >= least(reliability_gap(b)),
+        (false, false) => least_index(a) >= least_index(b),
+        (is_met, _) => is_met,
     };
-    let all: Vec<Solved> = found.collect();
-    let gap_known = all.into_iter().reduce(|a, b| if better(&a, &b) { a } else { b });
-    gap_known.expect("at least one start")
-}
-
-/// Reliability indices of a design; all solutions compared have the same targets.
-fn reliability_gap(solved: &Solved) -> impl Iterator<Item = f64> + '_ {
-    solved.values.iter().map(|value| value.beta)
+    let found = starts.iter().map(|start| from_start(reliability, start));
+    found.reduce(|a, b| if better(&a, &b) { a } else { b }).expect("at least one start")
 }
 
 fn least(values: impl Iterator<Item = f64>) -> f64 {
@@ -89,30 +79,23 @@ fn from_start(reliability: &mut DesignReliability<'_>, start: &[f64]) -> Solved 
     finished(reliability, y, multipliers, feasible)
 }
 
-fn finished(
-    reliability: &DesignReliability<'_>,
-    y: Vec<f64>,
-    multipliers: Vec<f64>,
-    feasible: bool,
-) -> Solved {
+fn finished(reliability: &DesignReliability, y: Vec<f64>, multipliers: Vec<f64>, feasible: bool) -> Solved {
     let cost = reliability.cost(&y);
     let values = reliability.targets(&y).unwrap_or_default();
     Solved { cost, values, multipliers, feasible, relaxed_cost: cost, grades: None, y }
-}
-
-/// Places of the allowed grades of a quantity.
-fn options(problem: &DesignProblem, k: usize) -> Vec<f64> {
-    let quantity = &problem.quantities[k];
-    quantity.grades.iter().map(|grade| place(quantity, grade.width)).collect()
 }
 
 /// Chooses grades, from the relaxed optimum.
 fn solve_grades(reliability: &mut DesignReliability<'_>, relaxed: Solved) -> Solved {
     let problem = reliability.problem;
     let count = reliability.constraints.len();
-    let (graded, free): (Vec<usize>, Vec<usize>) =
-        (0..relaxed.y.len()).partition(|k| !problem.quantities[*k].grades.is_empty());
-    let mut allowed: Vec<Vec<f64>> = graded.iter().map(|k| options(problem, *k)).collect();
+    let is_graded = |k: &usize| !problem.quantities[*k].grades.is_empty();
+    let (graded, free): (Vec<usize>, Vec<usize>) = (0..relaxed.y.len()).partition(is_graded);
+    let places = |k: &usize| {
+        let quantity = &problem.quantities[*k];
+        quantity.grades.iter().map(|grade| quantity.place(grade.width)).collect()
+    };
+    let mut allowed: Vec<Vec<f64>> = graded.iter().map(places).collect();
     let combinations = allowed.iter().map(Vec::len).fold(1, usize::saturating_mul);
     let whole = combinations <= MOST_COMBINATIONS;
     if !whole {
@@ -124,16 +107,12 @@ fn solve_grades(reliability: &mut DesignReliability<'_>, relaxed: Solved) -> Sol
     }
     let cost_of = |k: usize, y: f64| {
         let quantity = &problem.quantities[k];
-        quantity.cost_at(super::reliability::value(quantity, y)).0
+        quantity.cost_at(quantity.value(y)).0
     };
-    let costs: Vec<Vec<f64>> = allowed
-        .iter()
-        .zip(&graded)
-        .map(|(options, k)| options.iter().map(|y| cost_of(*k, *y)).collect())
-        .collect();
+    let costs_at = |(places, k): (&Vec<f64>, &usize)| places.iter().map(|y| cost_of(*k, *y)).collect();
+    let costs: Vec<Vec<f64>> = allowed.iter().zip(&graded).map(costs_at).collect();
     // A cost between bounds is least at one of 21 places, to the accuracy of a bound.
-    let cheapest =
-        |k: &usize| (0..=20).map(|i| cost_of(*k, f64::from(i) / 20.0)).fold(f64::INFINITY, f64::min);
+    let cheapest = |k: &usize| least((0..=20).map(|i| cost_of(*k, f64::from(i) / 20.0)));
     let rest = free.iter().map(cheapest).sum::<f64>();
     let most = if free.is_empty() { MOST_EXAMINED.0 } else { MOST_EXAMINED.1 };
     let known = if relaxed.feasible { relaxed.cost } else { f64::NEG_INFINITY };
@@ -143,11 +122,10 @@ fn solve_grades(reliability: &mut DesignReliability<'_>, relaxed: Solved) -> Sol
         for ((k, options), chosen) in graded.iter().zip(&allowed).zip(chosen) {
             y[*k] = options[*chosen];
         }
-        let design = FreeDesign { reliability, free: free.clone(), at: y.clone() };
         if !free.is_empty() {
             let start: Vec<f64> = free.iter().map(|k| y[*k]).collect();
-            let found = minimise(&design, count, &start);
-            y = design.all(&found.x);
+            let design = FreeDesign { reliability, free: free.clone(), at: y };
+            y = design.all(&minimise(&design, count, &start).x);
         }
         let values = reliability.targets(&y)?;
         let constraints = values.iter().zip(&reliability.constraints).map(|(v, c)| v.beta - c.beta);
@@ -159,16 +137,11 @@ fn solve_grades(reliability: &mut DesignReliability<'_>, relaxed: Solved) -> Sol
         met.then_some(cost)
     });
     let relaxed_cost = relaxed.cost;
-    let proved = search.proved && whole;
-    let grades = Some(Grades { examined: search.examined, proved, relaxed_cost });
-    let (y, feasible) = match best {
-        Some((y, _)) => (y, true),
-        // The narrowest grades come nearest.
-        None => {
-            let mut y = relaxed.y;
-            graded.iter().for_each(|k| y[*k] = 0.0);
-            (y, false)
-        }
-    };
+    let (examined, proved) = (search.examined, search.proved && whole);
+    let grades = Some(Grades { examined, proved, relaxed_cost });
+    let feasible = best.is_some();
+    // The narrowest grades come nearest.
+    let narrowest = (0..relaxed.y.len()).map(|k| if graded.contains(&k) { 0.0 } else { relaxed.y[k] });
+    let y = best.map_or_else(|| narrowest.collect(), |(y, _)| y);
     Solved { grades, relaxed_cost, ..finished(reliability, y, relaxed.multipliers, feasible) }
 }

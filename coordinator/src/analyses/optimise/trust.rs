@@ -39,47 +39,41 @@ pub(super) fn spread_by<'p>(
 
 /// The inputs of the study, with coordinates whose scale is at least that of the visits.
 pub(super) fn with_scales(problem: &DesignProblem, inputs: &InputModel) -> InputModel {
-    let scaled = |(k, law): (usize, &Distribution)| {
-        let part = spread_by(problem, inputs, k).map(DesignQuantity::part);
-        part.and_then(|part| Distribution::normal(law.parent_mean(), part).ok())
-            .unwrap_or_else(|| law.clone())
+    let scaled = |k: usize, law: &Distribution| {
+        Distribution::normal(law.parent_mean(), spread_by(problem, inputs, k)?.part()).ok()
     };
-    let scales = inputs.variables().iter().enumerate().map(scaled).collect();
-    inputs.clone().standardised_as(&InputModel::new(scales, inputs.copula().clone()))
+    inputs.clone().standardised_as(&with_laws(inputs, scaled))
+}
+
+/// The inputs with other distributions where `changed` gives some.
+fn with_laws(
+    inputs: &InputModel,
+    changed: impl Fn(usize, &Distribution) -> Option<Distribution>,
+) -> InputModel {
+    let law = |(k, law): (usize, &Distribution)| changed(k, law).unwrap_or_else(|| law.clone());
+    InputModel::new(inputs.variables().iter().enumerate().map(law).collect(), inputs.copula().clone())
 }
 
 /// The inputs of a visit to the design `inputs`: its variables are spread over the region that it will support.
 pub(super) fn of_visit(problem: &DesignProblem, inputs: &InputModel) -> InputModel {
-    let visited = |(k, law): (usize, &Distribution)| {
-        let spread = spread_by(problem, inputs, k).and_then(|quantity| {
-            let (mean, reach) = (law.parent_mean(), TRUST * quantity.part());
-            let (from, to) = (quantity.lower.max(mean - reach), quantity.upper.min(mean + reach));
-            Distribution::uniform(from, to).ok()
-        });
-        spread.unwrap_or_else(|| law.clone())
+    let visited = |k: usize, law: &Distribution| {
+        let quantity = spread_by(problem, inputs, k)?;
+        let (mean, reach) = (law.parent_mean(), TRUST * quantity.part());
+        Distribution::uniform(quantity.lower.max(mean - reach), quantity.upper.min(mean + reach)).ok()
     };
-    let laws = inputs.variables().iter().enumerate().map(visited).collect();
-    InputModel::new(laws, inputs.copula().clone()).standardised_as(inputs)
+    with_laws(inputs, visited).standardised_as(inputs)
 }
 
 /// Region of y `(q,)` that simulations at the design y `(q,)` support, whose inputs are `inputs`; `visited` if a visit has spread them.
-pub(super) fn region(
-    problem: &DesignProblem,
-    inputs: &InputModel,
-    y: &[f64],
-    visited: bool,
-) -> Vec<(f64, f64)> {
+pub fn region(problem: &DesignProblem, inputs: &InputModel, y: &[f64], visited: bool) -> Vec<(f64, f64)> {
     let range = |(quantity, y): (&DesignQuantity, &f64)| {
         let stds = quantity.variables.iter().map(|k| {
             let law = &inputs.variables()[*k];
             if visited && quantity.spreads(law) { quantity.part() } else { law.given_std() }
         });
         let reach = TRUST * stds.fold(f64::INFINITY, f64::min) / (quantity.upper - quantity.lower);
-        if quantity.kind.is_spread() || reach.is_nan() || reach <= 0.0 {
-            (0.0, 1.0)
-        } else {
-            ((y - reach).max(0.0), (y + reach).min(1.0))
-        }
+        let is_whole = quantity.kind.is_spread() || reach.is_nan() || reach <= 0.0;
+        if is_whole { (0.0, 1.0) } else { ((y - reach).max(0.0), (y + reach).min(1.0)) }
     };
     problem.quantities.iter().zip(y).map(range).collect()
 }

@@ -41,27 +41,25 @@ impl Schedule {
     /// Lives of the inspections of `output` within the study [cycles].
     fn lives(&self, model: &LifeModel, output: usize) -> Result<Vec<f64>, RefusedQuestion> {
         let (beginning, end) = (model.beginning(output), model.end());
-        match self {
+        let (asked, allowed) = match self {
             Self::Every(every) => {
                 let least = beginning.max(end / MOST as f64);
-                if !(*every >= least && *every <= end) {
-                    let fault = format!(
-                        "allowed: {least} to {end} cycles, at most {MOST} inspections in the life studied"
-                    );
-                    return Err(RefusedQuestion::new(format!("--inspect-every {every}"), fault));
+                if (least..=end).contains(every) {
+                    let count = (end / every * (1.0 + 1e-9)).floor() as usize;
+                    return Ok((1..=count).map(|k| (k as f64 * every).min(end)).collect());
                 }
-                let count = (end / every * (1.0 + 1e-9)).floor() as usize;
-                Ok((1..=count).map(|k| (k as f64 * every).min(end)).collect())
+                let most = format!("at most {MOST} inspections in the life studied");
+                (format!("--inspect-every {every}"), format!("{least} to {end} cycles, {most}"))
             }
             Self::At(lives) => {
                 let rising = lives.windows(2).all(|pair| pair[0] < pair[1]);
                 let wrong = |life: &&f64| !(beginning..=end).contains(life) || !rising || **life == 0.0;
                 let Some(life) = lives.iter().find(wrong) else { return Ok(lives.clone()) };
-                let fault =
-                    format!("allowed: increasing lives from {beginning} to {end} cycles, the first above 0");
-                Err(RefusedQuestion::new(format!("--inspect-at {life}"), fault))
+                let range = format!("increasing lives from {beginning} to {end} cycles, the first above 0");
+                (format!("--inspect-at {life}"), range)
             }
-        }
+        };
+        Err(RefusedQuestion::new(asked, format!("allowed: {allowed}")))
     }
 }
 
@@ -113,21 +111,14 @@ pub fn inspect(
     let two_sided = limit.is_some_and(|limit| limit.middle().is_some());
     let response = |value: f64| limit.map_or(value, |limit| limit.response(value));
     // Values of the output at a level of the response: the upper one, and the lower one of two.
-    let level_of = |response: f64| match limit {
+    let level_of = |response: f64| match limit.map(|limit| limit.middle()) {
         None => (response, None),
-        Some(limit) => match limit.middle() {
-            None => (-response, None),
-            Some(middle) => (middle + response, Some(middle - response)),
-        },
+        Some(None) => (-response, None),
+        Some(Some(middle)) => (middle + response, Some(middle - response)),
     };
     let row = |(schedule, times): (&Schedule, Vec<f64>)| {
-        let count = times.len();
-        let mut values = Vec::with_capacity(UNITS * count);
-        for j in 0..UNITS {
-            values.extend(
-                times.iter().map(|t| response(model.value_at(plan.output, &responses.histories[0], j, *t))),
-            );
-        }
+        let value = |j: usize, t: &f64| response(model.value_at(plan.output, &responses.histories[0], j, *t));
+        let values = (0..UNITS).flat_map(|j| times.iter().map(move |t| value(j, t))).collect();
         let samples = InspectedSamples { lives: lives.clone(), times, values, error: plan.error, two_sided };
         let policy = best_policy(&samples, &plan.costs)?;
         let outcome = outcome_of(&samples, &policy, &plan.costs);

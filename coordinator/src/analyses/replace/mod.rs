@@ -128,16 +128,16 @@ pub struct ReplacementReport {
 /// # Errors
 /// [`RefusedQuestion`] if there is none of that name.
 pub fn curve_of<'s>(summary: &'s StudySummary, name: &str) -> Result<&'s LifeCurveRow, RefusedQuestion> {
-    let known: Vec<&str> = summary.curves.iter().map(|curve| curve.limit_state.as_str()).collect();
-    if known.is_empty() {
-        return Err(RefusedQuestion::new(
-            "this study has no reliability between checkpoints",
-            "it has a single checkpoint, or an earlier version made it; run it with at least two checkpoints",
-        ));
-    }
+    let names: Vec<&str> = summary.curves.iter().map(|curve| curve.limit_state.as_str()).collect();
     let found = summary.curves.iter().find(|curve| curve.limit_state == name);
     found.ok_or_else(|| {
-        let fault = format!("there is none of that name; allowed: {}", known.join(", "));
+        if names.is_empty() {
+            return RefusedQuestion::new(
+                "this study has no reliability between checkpoints",
+                "it has a single checkpoint, or an earlier version made it; run it with at least two checkpoints",
+            );
+        }
+        let fault = format!("there is none of that name; allowed: {}", names.join(", "));
         RefusedQuestion::new(format!("--curve {name}"), fault)
     })
 }
@@ -148,40 +148,29 @@ pub fn curve_of<'s>(summary: &'s StudySummary, name: &str) -> Result<&'s LifeCur
 /// [`RefusedQuestion`] if no replacement pays.
 pub fn check_costs(costs: &ReplacementCosts) -> Result<(), RefusedQuestion> {
     let ReplacementCosts { planned, failure } = *costs;
-    if failure > planned {
-        return Ok(());
-    }
     let fault = format!(
         "allowed: above --planned-cost {planned}; a failure that is no dearer than a planned replacement never pays for one"
     );
-    Err(RefusedQuestion::new(format!("--failure-cost {failure}"), fault))
+    let refused = RefusedQuestion::new(format!("--failure-cost {failure}"), fault);
+    if failure > planned { Ok(()) } else { Err(refused) }
 }
 
-/// A curve of R with its 95 % limits `(g,)`.
-struct BoundedCurve {
-    cycles: Vec<f64>,
-    reliability: Vec<f64>,
-    lower: Vec<f64>,
-    upper: Vec<f64>,
-}
-
-impl BoundedCurve {
-    /// The curve with a constant hazard from age 0 to a checkpoint, R(t) = R(first)^(t / first). Its limits there are all curves that
-    /// do not rise: R may fall at once, or not before the checkpoint.
-    fn with_constant_hazard_before(&self, first: f64) -> Self {
-        let from = self.cycles.partition_point(|t| *t < first).min(self.cycles.len() - 1);
-        let (r, lower) = (self.reliability[from], self.lower[from]);
-        let shares = (0..PIECES).map(|k| k as f64 / PIECES as f64);
-        let before = |values: &[f64], of: &dyn Fn(f64) -> f64| -> Vec<f64> {
-            shares.clone().map(of).chain(values[from..].iter().copied()).collect()
-        };
-        Self {
-            cycles: before(&self.cycles, &|share| share * first),
-            reliability: before(&self.reliability, &|share| r.max(1e-12).powf(share)),
-            lower: before(&self.lower, &|share| if share > 0.0 { lower } else { 1.0 }),
-            upper: before(&self.upper, &|_| 1.0),
-        }
-    }
+/// A curve `[cycles, R, lower limit, upper limit]` `(4)(g,)` with a constant hazard from age 0 to a checkpoint, R(t) = R(first)^(t /
+/// first). Its limits there are all curves that do not rise: R may fall at once, or not before the checkpoint.
+fn with_constant_hazard_before(first: f64, curve: &[Vec<f64>; 4]) -> [Vec<f64>; 4] {
+    let [cycles, reliability, lower, upper] = curve;
+    let from = cycles.partition_point(|t| *t < first).min(cycles.len() - 1);
+    let (r, least) = (reliability[from], lower[from]);
+    let shares = (0..PIECES).map(|k| k as f64 / PIECES as f64);
+    let before = |values: &[f64], of: &dyn Fn(f64) -> f64| -> Vec<f64> {
+        shares.clone().map(of).chain(values[from..].iter().copied()).collect()
+    };
+    [
+        before(cycles, &|share| share * first),
+        before(reliability, &|share| r.max(1e-12).powf(share)),
+        before(lower, &|share| if share > 0.0 { least } else { 1.0 }),
+        before(upper, &|_| 1.0),
+    ]
 }
 
 /// Age replacement from a curve of a study's summary.
@@ -197,22 +186,19 @@ pub fn replace(
     check_costs(costs)?;
     let row = curve_of(summary, name)?;
     let [lower, upper] = row.limits().map(<[f64]>::to_vec);
-    let mut curve =
-        BoundedCurve { cycles: row.cycles.clone(), reliability: row.reliability.clone(), lower, upper };
+    let curve = [row.cycles.clone(), row.reliability.clone(), lower, upper];
     let best_of = |curve: &SurvivalCurve| {
         let (best, end) = (costs.best_age(curve), curve.end());
         let cost_rate = costs.rate(curve, end);
         let is_shallow = best.cost_rate > (1.0 - SHALLOW) * cost_rate;
         if is_shallow { AgeReplacement { age: end, cost_rate, at_the_end: true } } else { best }
     };
-    let first = best_of(&SurvivalCurve::new(&curve.cycles, &curve.reliability));
+    let first = best_of(&SurvivalCurve::new(&row.cycles, &row.reliability));
     let unresolved = summary.unresolved_fall.filter(|fall| fall.from == 0 && first.age < f64::from(fall.to));
-    if let Some(fall) = unresolved {
-        curve = curve.with_constant_hazard_before(f64::from(fall.to));
-    }
+    let changed = unresolved.map(|fall| with_constant_hazard_before(f64::from(fall.to), &curve));
+    let [cycles, reliability, lower, upper] = changed.unwrap_or(curve);
     let mut rng = open_stream(summary.seed, Stream::Curve);
-    let limits = [curve.lower.as_slice(), &curve.upper];
-    let band = CurveBand::new(&curve.cycles, &curve.reliability, limits, summary.population, &mut rng);
+    let band = CurveBand::new(&cycles, &reliability, [&lower, &upper], summary.population, &mut rng);
     let stated = |of: &dyn Fn(&SurvivalCurve) -> Option<f64>| {
         let value = of(&band.best)?;
         band.interval(of).map(|Interval { lower, upper }| Stated { value, lower, upper })
@@ -225,12 +211,8 @@ pub fn replace(
     let checkpoints: Vec<f64> = summary.reliability.iter().map(|row| f64::from(row.cycles)).collect();
     let rate = |k: usize| {
         let (from, to) = (if k == 0 { 0.0 } else { checkpoints[k - 1] }, checkpoints[k]);
-        RateRow {
-            from,
-            to,
-            density: sure(&|curve| curve.rate(from, to).density),
-            hazard: stated(&|curve| curve.rate(from, to).hazard),
-        }
+        let density = sure(&|curve| curve.rate(from, to).density);
+        RateRow { from, to, density, hazard: stated(&|curve| curve.rate(from, to).hazard) }
     };
     let at = |k: usize| {
         let age = end * k as f64 / POINTS as f64;

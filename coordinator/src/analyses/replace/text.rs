@@ -3,7 +3,8 @@
 use super::{DemandedAge, InspectionRow, RateRow, ReplacementReport, Stated};
 use crate::presentation::report::answer::{Answer, AnswerPart, Table};
 use crate::presentation::report::format::{percent, short_percent};
-use crate::results::life_summary::LifeRow;
+use crate::results::life_summary::{CyclesRange, LifeRow};
+use crate::statistics::replacement::PolicyOutcome;
 use common::scene::Scene;
 
 /// Rows of the table of rates on a terminal.
@@ -30,83 +31,76 @@ pub fn answer(report: &ReplacementReport, scene: &Scene) -> Answer {
 
 /// Age, costs and lives by name.
 fn numbers(report: &ReplacementReport) -> Vec<Vec<String>> {
-    let ReplacementReport { age, end, .. } = report;
-    let row = |name: &str, text: String| vec![name.to_owned(), text];
-    let [at_least, at_most] =
-        ["at least ", "at most "].map(|bound| if report.mean_life_is_bound { bound } else { "" });
+    let ReplacementReport { age, end, mean_life, gain, .. } = report;
+    let life = |cycles: f64| life(cycles, *end);
+    let (at_least, at_most) = if report.mean_life_is_bound { ("at least ", "at most ") } else { ("", "") };
+    let rates = [&report.run_to_failure, &report.cost_rate];
+    let [failures, cost] = rates.map(|rate| rate.shown(|x| format!("{x:.4e}")));
+    let r = report.reliability_at_age.shown(|r| format!("{r:.4}"));
     let mut rows = Vec::new();
+    let mut add = |name: &str, text: String| rows.push(vec![name.to_owned(), text]);
     if report.no_minimum {
-        rows.push(row(
+        add(
             "no best age",
             format!(
                 "run to failure: the hazard does not rise enough for a replacement to pay, and the cost per cycle falls up to the \
                  end of the study, {end:.0} cycles"
             ),
-        ));
+        );
         if age.lower < *end {
-            let lower = life(age.lower, *end);
-            let text = format!("within the limits of R there may be a minimum, not before {lower} cycles");
-            rows.push(row("", text));
+            let lower = life(age.lower);
+            add("", format!("within the limits of R there may be a minimum, not before {lower} cycles"));
         }
-        rows.push(row("R at the end", of_r(&report.reliability_at_age)));
-        rows.push(row("cost at the end", format!("{} per cycle", digits(&report.cost_rate))));
+        add("R at the end", r);
+        add("cost at the end", format!("{cost} per cycle"));
     } else {
         let later = if age.upper >= *end { " or later" } else { "" };
-        let [value, lower, upper] = [age.value, age.lower, age.upper].map(|age| life(age, *end));
-        let r = of_r(&report.reliability_at_age);
-        rows.push(row("replace at", format!("{value} cycles ({lower} to {upper}{later}), where R = {r}")));
-        rows.push(row("cost", format!("{} per cycle", digits(&report.cost_rate))));
+        let [value, lower, upper] = [age.value, age.lower, age.upper].map(life);
+        add("replace at", format!("{value} cycles ({lower} to {upper}{later}), where R = {r}"));
+        add("cost", format!("{cost} per cycle"));
     }
-    if let Some(demanded) = report.demanded {
-        let DemandedAge { reliability, confidence, latest, age, cost_rate } = demanded;
+    if let Some(DemandedAge { reliability, confidence, latest, age, cost_rate }) = report.demanded {
         let with = format!("R >= {reliability} with {} confidence", percent(confidence));
-        let text = if latest > 0.0 {
-            let later = if latest >= *end { "the end of the study, " } else { "" };
-            format!(
-                "replace at {} cycles, {cost_rate:.4e} per cycle; it holds up to {later}{}",
-                life(age, *end),
-                life(latest, *end)
-            )
-        } else {
-            "it holds at no age".to_owned()
-        };
-        rows.push(row(&with, text));
+        let later = if latest >= *end { "the end of the study, " } else { "" };
+        let [age, last] = [age, latest].map(life);
+        let text =
+            format!("replace at {age} cycles, {cost_rate:.4e} per cycle; it holds up to {later}{last}");
+        add(&with, if latest > 0.0 { text } else { "it holds at no age".to_owned() });
     }
     if let Some(first) = report.constant_hazard_before {
         let cycles = if first == 1 { "cycle" } else { "cycles" };
-        rows.push(row(
+        add(
             "caution",
             format!(
                 "the fall of R before the first checkpoint, {first} {cycles}, is not resolved: the hazard is taken as constant \
                  there, the intervals contain any other fall; limits may be exceeded unworn, in the first cycle"
             ),
-        ));
-    }
-    let failures = digits(&report.run_to_failure);
-    rows.push(row("run to failure", format!("{at_most}{failures} per cycle")));
-    let [value, lower, upper] = [report.gain.value, report.gain.lower, report.gain.upper].map(|x| 100.0 * x);
-    let gain = format!("{at_most}{value:.1} % ({lower:.1} to {upper:.1} %) of that");
-    rows.push(row("replacement saves", gain));
-    let Stated { value, lower, upper } = report.mean_life;
-    let [value, lower, upper] = [value, lower, upper].map(|mean| life(mean, *end));
-    rows.push(row("mean life", format!("{at_least}{value} ({lower} to {upper}) cycles")));
-    if report.mean_life_is_bound {
-        let text = format!(
-            "units outlive the study, which ends at {end:.0} cycles: the mean life is that up to there"
         );
-        rows.push(row("", text));
     }
-    let level = |row: &LifeRow| format!("B{:.0}", 100.0 * (1.0 - row.reliability));
-    rows.extend(report.lives.iter().map(|life| row(&level(life), life_text(life, *end))));
+    add("run to failure", format!("{at_most}{failures} per cycle"));
+    let [value, lower, upper] = [gain.value, gain.lower, gain.upper].map(|x| 100.0 * x);
+    add("replacement saves", format!("{at_most}{value:.1} % ({lower:.1} to {upper:.1} %) of that"));
+    add("mean life", format!("{at_least}{} cycles", mean_life.shown(life)));
+    if report.mean_life_is_bound {
+        add(
+            "",
+            format!(
+                "units outlive the study, which ends at {end:.0} cycles: the mean life is that up to there"
+            ),
+        );
+    }
+    for row in &report.lives {
+        add(&format!("B{:.0}", 100.0 * (1.0 - row.reliability)), life_text(row, *end));
+    }
     rows
 }
 
-fn of_r(stated: &Stated) -> String {
-    format!("{:.4} ({:.4} to {:.4})", stated.value, stated.lower, stated.upper)
-}
-
-fn digits(stated: &Stated) -> String {
-    format!("{:.4e} ({:.4e} to {:.4e})", stated.value, stated.lower, stated.upper)
+impl Stated {
+    /// The number with its interval in brackets, each as `shown`.
+    fn shown(&self, shown: impl Fn(f64) -> String) -> String {
+        let [value, lower, upper] = [self.value, self.lower, self.upper].map(shown);
+        format!("{value} ({lower} to {upper})")
+    }
 }
 
 /// A life with three digits of the length of the study at least, whole cycles from 1000 on.
@@ -117,25 +111,21 @@ fn life(cycles: f64, end: f64) -> String {
 
 /// Life of a level with its interval, or its bound.
 fn life_text(row: &LifeRow, end: f64) -> String {
-    let range = row.whole_interval();
+    let CyclesRange { lower, upper } = row.whole_interval();
     let shown = |cycles: f64| life(cycles, end);
-    match (row.cycles, range.upper) {
+    let from = shown(lower);
+    match (row.cycles.map(shown), upper) {
         (None, Some(0.0)) => "0 cycles: more units than that exceed a limit unworn".to_owned(),
-        (Some(cycles), Some(upper)) => {
-            format!("{} cycles ({} to {})", shown(cycles), shown(range.lower), shown(upper))
-        }
-        (Some(cycles), None) => {
-            format!("{} cycles ({} to beyond {end:.0})", shown(cycles), shown(range.lower))
-        }
-        (None, Some(upper)) => format!("between {} and {} cycles", shown(range.lower), shown(upper)),
-        (None, None) => format!("beyond {} cycles", shown(range.lower)),
+        (Some(cycles), Some(upper)) => format!("{cycles} cycles ({from} to {})", shown(upper)),
+        (Some(cycles), None) => format!("{cycles} cycles ({from} to beyond {end:.0})"),
+        (None, Some(upper)) => format!("between {from} and {} cycles", shown(upper)),
+        (None, None) => format!("beyond {from} cycles"),
     }
 }
 
 /// Density and hazard where units fail, on a terminal at most [`ROWS`] rows.
 fn rates(rates: &[RateRow]) -> AnswerPart {
-    let short =
-        |stated: &Stated| format!("{:.2e} ({:.2e} to {:.2e})", stated.value, stated.lower, stated.upper);
+    let short = |stated: &Stated| stated.shown(|x| format!("{x:.2e}"));
     let failing: Vec<&RateRow> = rates.iter().filter(|row| row.density.value > 0.0).collect();
     if failing.is_empty() {
         let none = "No failure was found up to the end of the study: no density and no hazard.";
@@ -174,26 +164,22 @@ fn inspections(report: &ReplacementReport, scene: &Scene) -> Vec<AnswerPart> {
         let shown =
             |level: f64| unit.as_ref().map(|unit| unit.after(&format!("{:.4}", unit.to_shown(level))));
         let levels: Vec<String> = row.lower_level.into_iter().chain(row.level).filter_map(shown).collect();
-        vec![
-            row.every.map_or("given".to_owned(), |every| every.to_string()),
-            if levels.is_empty() { "the age only".to_owned() } else { levels.join(", ") },
-            life(row.age, report.end),
-            format!("{:.4e} ({:.4e} to {:.4e})", outcome.cost_rate, outcome.lower, outcome.upper),
-            short_percent(outcome.failed),
-            format!("{:.1} %", 100.0 * outcome.by_level),
-            life(outcome.mean_life, report.end),
-            format!("{:.1}", outcome.inspections),
-        ]
+        let PolicyOutcome {
+            cost_rate: value, lower, upper, failed, by_level, mean_life, inspections, ..
+        } = outcome;
+        let every = row.every.map_or("given".to_owned(), |every| every.to_string());
+        let levels = if levels.is_empty() { "the age only".to_owned() } else { levels.join(", ") };
+        let [age, mean_life] = [row.age, mean_life].map(|cycles| life(cycles, report.end));
+        let cost = Stated { value, lower, upper }.shown(|x| format!("{x:.4e}"));
+        let (by_level, inspections) = (format!("{:.1} %", 100.0 * by_level), format!("{inspections:.1}"));
+        vec![every, levels, age, cost, short_percent(failed), by_level, mean_life, inspections]
     };
     let table = Table::new("", head, report.inspections.iter().map(row)).with_left(&[]);
     let least = report.inspections.iter().map(|row| row.outcome.cost_rate).fold(f64::INFINITY, f64::min);
     let saved = 100.0 * (1.0 - least / report.cost_rate.value);
-    let best = format!(
-        "{} costs {:.1} % {} than age replacement without inspections.",
-        if report.inspections.len() > 1 { "The best of these" } else { "This" },
-        saved.abs(),
-        if saved >= 0.0 { "less" } else { "more" }
-    );
+    let which = if report.inspections.len() > 1 { "The best of these" } else { "This" };
+    let (saved, less) = (saved.abs(), if saved >= 0.0 { "less" } else { "more" });
+    let best = format!("{which} costs {saved:.1} % {less} than age replacement without inspections.");
     vec![AnswerPart::Text(meaning), AnswerPart::Table(table), AnswerPart::Text(best)]
 }
 

@@ -22,13 +22,6 @@ const GROUPS: [u64; 6] = [1, 2, 3, 5, 8, 12];
 /// Probability with which good units shall pass [1].
 const GOOD: f64 = 0.9;
 
-/// The refusal of an option that needs the shape.
-fn no_shape(option: &str) -> RefusedQuestion {
-    let fault = "needs the Weibull shape of the lives, which relates them to --at; give --shape, or a study with lives at R = 0.99 \
-                 and 0.5";
-    RefusedQuestion::new(option, fault)
-}
-
 /// What is to be demonstrated, and how.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TestPlanQuestion {
@@ -161,21 +154,15 @@ pub fn plan(
         let [lower, upper] = row.limits().map(|limit| of(limit).at(at));
         let r = best.at(at);
         let law = BetaPrior::containing(r, [lower, upper], question.prior_units);
-        let row = PriorRow {
-            scene: summary.scene.clone(),
-            reliability: [r, lower, upper],
-            survived: law.survived,
-            failed: law.failed,
-            confidence: 1.0 - law.below(reliability),
-        };
-        prior = Some((law, row));
+        let (scene, confidence) = (summary.scene.clone(), 1.0 - law.below(reliability));
+        let (survived, failed) = (law.survived, law.failed);
+        prior = Some((law, PriorRow { scene, reliability: [r, lower, upper], survived, failed, confidence }));
     }
-    let need = |option| shape.ok_or_else(|| no_shape(option));
-    let too_many = || {
-        let fault =
-            "more than ten million units; allowed: a lower reliability or confidence, or longer tests";
-        RefusedQuestion::new("no plan", fault)
-    };
+    let fault = "needs the Weibull shape of the lives, which relates them to --at; give --shape, or a study with lives at R = 0.99 \
+                 and 0.5";
+    let need = |option| shape.ok_or_else(|| RefusedQuestion::new(option, fault));
+    let fault = "more than ten million units; allowed: a lower reliability or confidence, or longer tests";
+    let too_many = || RefusedQuestion::new("no plan", fault);
     let lengths = match (question.lengths.as_slice(), shape) {
         ([], Some(_)) if question.units.is_none() => [0.5, 1.0, 1.5, 2.0].map(|length| length * at).to_vec(),
         ([], _) => vec![at],
@@ -200,12 +187,17 @@ pub fn plan(
             let power = if cycles.to_bits() == at.to_bits() { 1.0 } else { length.powf(need("--length")?) };
             let seen = reliability.powf(power);
             let found = question.units.or_else(|| units(seen, allowed, confidence));
+            let with_prior = prior.as_ref().map(|(law, _)| {
+                let units = law.units_for(reliability, allowed, confidence, power)?;
+                let risks = law.risks(reliability, (units, allowed), power);
+                Some(PriorPlan { units, risks, passed_at_limit: pass_probability(units, allowed, seen) })
+            });
             // Of the lengths that were not asked for, those without a plan are left out.
             let is_extra = question.lengths.is_empty() && power.to_bits() != 1.0_f64.to_bits();
-            let units = match found {
-                None if is_extra => continue,
-                found => found.ok_or_else(too_many)?,
-            };
+            if is_extra && (found.is_none() || with_prior == Some(None)) {
+                continue;
+            }
+            let units = found.ok_or_else(too_many)?;
             let mean_cycles = question.inspect_every.map(|every| {
                 let shape = need("--inspect-every")?;
                 let inspections = (1..).map(|k| f64::from(k) * every / at).take_while(|life| *life < length);
@@ -213,34 +205,20 @@ pub fn plan(
                 Ok(at * mean_length(units, allowed, reliability, shape, &lives))
             });
             let mean_cycles = mean_cycles.transpose()?;
-            let with_prior = match &prior {
-                None => None,
-                Some((law, _)) => {
-                    let units = law.units_for(reliability, allowed, confidence, power);
-                    let units = match units {
-                        None if is_extra => continue,
-                        units => units.ok_or_else(too_many)?,
-                    };
-                    let risks = law.risks(reliability, (units, allowed), power);
-                    Some(PriorPlan { units, risks, passed_at_limit: pass_probability(units, allowed, seen) })
-                }
-            };
+            let with_prior = with_prior.map(|plan| plan.ok_or_else(too_many)).transpose()?;
             let passes = reliability_passed(units, allowed, GOOD).powf(1.0 / power);
             plans.push(PlanRow { cycles, allowed, units, passes, mean_cycles, with_prior });
         }
     }
-    let groups = match question.group {
-        None => vec![],
-        Some(size) => {
-            let shape = need("--group")?;
-            let row = |groups: u64| {
-                let GroupPlan { length, passes, .. } =
-                    GroupPlan::new(groups, size, reliability, confidence, shape);
-                GroupRow { groups, cycles: at * length, passes }
-            };
-            GROUPS.map(row).to_vec()
-        }
-    };
+    let mut groups = vec![];
+    if let Some(size) = question.group {
+        let shape = need("--group")?;
+        groups.extend(GROUPS.map(|groups| {
+            let GroupPlan { length, passes, .. } =
+                GroupPlan::new(groups, size, reliability, confidence, shape);
+            GroupRow { groups, cycles: at * length, passes }
+        }));
+    }
     Ok(TestPlanReport {
         reliability,
         at,

@@ -1,6 +1,6 @@
 //! The answer of `coordinator test-plan` with its tables.
 
-use super::{PlanRow, PriorPlan, PriorRow, TestPlanReport};
+use super::{GroupRow, PlanRow, PriorPlan, PriorRow, TestPlanReport};
 use crate::presentation::report::answer::{Answer, AnswerPart, Table};
 use crate::presentation::report::format::{count, percent, significant, three_digits, whole};
 
@@ -21,13 +21,9 @@ pub fn answer(report: &TestPlanReport) -> Answer {
         ]);
     }
     let row = |plan: &PlanRow| {
-        let mut cells = vec![
-            whole(plan.cycles),
-            plan.allowed.to_string(),
-            count(plan.units),
-            significant(plan.passes, 6),
-        ];
-        cells.extend(plan.mean_cycles.map(whole));
+        let PlanRow { cycles, allowed, units, passes, mean_cycles, .. } = plan;
+        let mut cells = vec![whole(*cycles), allowed.to_string(), count(*units), significant(*passes, 6)];
+        cells.extend(mean_cycles.map(whole));
         if let Some(PriorPlan { units, risks, passed_at_limit }) = plan.with_prior {
             cells.push(count(units));
             let shares = [risks.passed, risks.wrongly_passed, risks.wrongly_failed, passed_at_limit];
@@ -37,29 +33,22 @@ pub fn answer(report: &TestPlanReport) -> Answer {
     };
     let mut parts = vec![AnswerPart::Table(Table::new("", head, plans.iter().map(row)).with_left(&[]))];
     if let Some(size) = report.group {
-        let rows = report.groups.iter().map(|group| {
-            vec![
-                group.groups.to_string(),
-                (group.groups * size).to_string(),
-                whole(group.cycles),
-                significant(group.passes, 6),
-            ]
+        let rows = report.groups.iter().map(|GroupRow { groups, cycles, passes }| {
+            let units = groups * size;
+            vec![groups.to_string(), units.to_string(), whole(*cycles), significant(*passes, 6)]
         });
         let heading = format!("Sudden death: groups of {size}, each up to its first failure");
         let head = ["groups", "units", "mean first failure at or after [cycles]", "90 % pass with R"];
         parts.push(AnswerPart::Table(Table::new(heading, head, rows).with_left(&[])));
     }
     parts.push(AnswerPart::Notes("What is assumed", assumptions(report, has_inspections)));
+    let (life, sure) = (whole(*at), percent(*confidence));
+    let subtitle =
+        "Every unit runs the cycles of its plan; the test is passed with at most the failures allowed";
     Answer {
         name: "test-plan".to_owned(),
-        title: format!(
-            "Tests that demonstrate R({}) >= {reliability} with a confidence of {}",
-            whole(*at),
-            percent(*confidence)
-        ),
-        subtitle:
-            "Every unit runs the cycles of its plan; the test is passed with at most the failures allowed"
-                .to_owned(),
+        title: format!("Tests that demonstrate R({life}) >= {reliability} with a confidence of {sure}"),
+        subtitle: subtitle.to_owned(),
         parts,
         ..Answer::default()
     }
@@ -70,25 +59,20 @@ fn assumptions(report: &TestPlanReport, has_inspections: bool) -> Vec<String> {
         "Units of the same population fail independently; without prior an R below R0 passes in at most 1 - C of all tests."
             .to_owned(),
     ];
-    if let Some(shape) = report.shape {
-        let origin =
-            if report.shape_of_study { "by the study's lives at R = 0.99 and 0.5" } else { "as given" };
-        notes.push(format!(
+    let origin = if report.shape_of_study { "by the study's lives at R = 0.99 and 0.5" } else { "as given" };
+    notes.extend(report.shape.map(|shape| {
+        format!(
             "Tests of other lengths than the life: Weibull lives of shape {}, {origin}. Longer tests need fewer units than this only if \
              the shape is not smaller.",
             three_digits(shape)
-        ));
-    }
-    if report.group.is_some() {
-        notes.push("Groups: the mean is that of the first failures to the power of the shape; a group that is stopped earlier counts with its cycles.".to_owned());
-    }
-    if has_inspections {
-        notes.push(
-            "Inspections find every failure that has happened; the test ends at the first one with more failures than allowed. The \
-             numbers of units do not change: the last inspection is at the end of the test."
-                .to_owned(),
-        );
-    }
+        )
+    }));
+    let groups = "Groups: the mean is that of the first failures to the power of the shape; a group that is stopped earlier counts \
+                  with its cycles.";
+    notes.extend(report.group.map(|_| groups.to_owned()));
+    let inspections = "Inspections find every failure that has happened; the test ends at the first one with more failures than \
+                       allowed. The numbers of units do not change: the last inspection is at the end of the test.";
+    notes.extend(has_inspections.then(|| inspections.to_owned()));
     if let Some(prior) = &report.prior {
         let PriorRow { scene, reliability: [r, lower, upper], survived, failed, confidence } = prior;
         notes.push(format!(

@@ -2,11 +2,12 @@
 //! the errors on the reliability.
 
 use super::lives::{LifeChange, life_changes};
-use super::measure::Measurement;
+use super::measure::{Measurement, REFERENCE};
 use crate::farm::evaluate::Finished;
-use common::accuracy::NamedAccuracy;
+use common::accuracy::{Accuracy, NamedAccuracy};
 use common::outputs::Evaluation;
 use common::scene::{LimitState, Scene};
+use std::collections::BTreeSet;
 
 /// Error of one output of a setting against the reference, over all points.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,18 +69,14 @@ pub fn compare(
     settings: &[NamedAccuracy],
     measurement: &Measurement,
 ) -> Vec<SettingComparison> {
-    let mut rows: Vec<SettingComparison> = settings
-        .iter()
-        .zip(&measurement.settings)
-        .map(|(setting, points)| row(scene, setting, points, &measurement.reference))
-        .collect();
+    let measured = settings.iter().zip(&measurement.settings);
+    let mut rows: Vec<SettingComparison> =
+        measured.map(|(setting, points)| row(scene, setting, points, &measurement.reference)).collect();
     for k in 0..rows.len() {
         let (seconds, worst) = (rows[k].seconds, rows[k].worst());
-        let beaten = rows.iter().any(|other| {
-            !other.outputs.is_empty()
-                && other.seconds <= seconds
-                && other.worst() <= worst
-                && (other.seconds < seconds || other.worst() < worst)
+        let beaten = rows.iter().filter(|other| !other.outputs.is_empty()).any(|other| {
+            let is_better = other.seconds < seconds || other.worst() < worst;
+            other.seconds <= seconds && other.worst() <= worst && is_better
         });
         rows[k].efficient = !rows[k].outputs.is_empty() && !beaten;
     }
@@ -96,10 +93,7 @@ pub fn reference_row(scene: &Scene, measurement: &Measurement) -> SettingCompari
             }
         }
     }
-    let setting = NamedAccuracy {
-        name: super::measure::REFERENCE.into(),
-        accuracy: common::accuracy::Accuracy::reference(),
-    };
+    let setting = NamedAccuracy { name: REFERENCE.into(), accuracy: Accuracy::reference() };
     row(scene, &setting, &own, &measurement.reference)
 }
 
@@ -109,22 +103,19 @@ fn row(
     points: &[Finished],
     reference: &[Finished],
 ) -> SettingComparison {
-    let pairs: Vec<ComparedPoint> = points
-        .iter()
-        .zip(reference)
-        .enumerate()
-        .filter_map(|(point, (measured, r))| {
-            let (found, reference) = (measured.outcome.as_ref().ok()?, r.outcome.as_ref().ok()?);
-            Some(ComparedPoint { point, measured, found, reference })
-        })
-        .collect();
+    let all = points.iter().zip(reference).enumerate();
+    let pairs = all.filter_map(|(point, (measured, r))| {
+        let (found, reference) = (measured.outcome.as_ref().ok()?, r.outcome.as_ref().ok()?);
+        Some(ComparedPoint { point, measured, found, reference })
+    });
+    let pairs: Vec<ComparedPoint> = pairs.collect();
     let mean = |quantity: &dyn Fn(&ComparedPoint) -> f64| {
         pairs.iter().map(quantity).sum::<f64>() / pairs.len().max(1) as f64
     };
     let cases: Vec<Vec<StatedValue>> = (0..scene.outputs.len()).map(|k| cases(k, &pairs)).collect();
     let outputs = cases.iter().enumerate().map(|(k, cases)| output_error(scene, k, &pairs, cases));
-    let random: Vec<_> =
-        pairs.iter().filter(|pair| pair.point > 0).map(|pair| (pair.found, pair.reference)).collect();
+    let random = pairs.iter().filter(|pair| pair.point > 0);
+    let random: Vec<_> = random.map(|pair| (pair.found, pair.reference)).collect();
     SettingComparison {
         setting: setting.clone(),
         seconds: mean(&|pair| pair.measured.wall),
@@ -140,40 +131,30 @@ fn row(
 
 /// Every value of output `k`.
 fn cases(k: usize, pairs: &[ComparedPoint]) -> Vec<StatedValue> {
-    let mut all = Vec::new();
-    for ComparedPoint { point, found, reference, .. } in pairs {
+    let all = pairs.iter().flat_map(|&ComparedPoint { point, found, reference, .. }| {
         let values = found.histories[k].iter().zip(&reference.histories[k]).zip(&found.errors[k]);
-        all.extend(values.map(|((x, truth), &stated)| StatedValue {
-            point: *point,
-            off: (x - truth).abs(),
-            stated,
-        }));
-    }
-    all
+        values.map(move |((x, truth), &stated)| StatedValue { point, off: (x - truth).abs(), stated })
+    });
+    all.collect()
 }
 
 fn output_error(scene: &Scene, k: usize, pairs: &[ComparedPoint], cases: &[StatedValue]) -> OutputError {
     let limits: Vec<&LimitState> = scene.limit_states.iter().filter(|l| l.output == k).collect();
     let values = pairs.iter().flat_map(|pair| &pair.reference.histories[k]);
-    let scale = limits
-        .iter()
-        .map(|l| l.scale())
-        .reduce(f64::min)
-        .unwrap_or_else(|| values.fold(f64::MIN_POSITIVE, |a, x| a.max(x.abs())));
+    let scale = limits.iter().map(|l| l.scale()).reduce(f64::min);
+    let scale = scale.unwrap_or_else(|| values.fold(f64::MIN_POSITIVE, |a, x| a.max(x.abs())));
     let (mut until_limit, mut life) = (0.0_f64, None);
     for ComparedPoint { found, reference, .. } in pairs {
         let (found_history, true_history) = (&found.histories[k], &reference.histories[k]);
         let reached = true_history.iter().position(|y| limits.iter().any(|limit| limit.is_reached(*y)));
         let seen = reached.map_or(true_history.len(), |n| n + 1);
-        let differences =
-            found_history.iter().zip(true_history).take(seen).map(|(x, truth)| (x - truth).abs());
-        until_limit = differences.fold(until_limit, |a, off| a.max(off / scale));
-        let crossing = |history: &[f64]| {
+        let differences = found_history.iter().zip(true_history).take(seen);
+        until_limit = differences.fold(until_limit, |a, (x, truth)| a.max((x - truth).abs() / scale));
+        let [first, true_first] = [found_history, true_history].map(|history| {
             limits.iter().filter_map(|limit| crossing(&found.cycles, history, limit)).reduce(f64::min)
-        };
-        if let (Some(a), Some(b)) = (crossing(found_history), crossing(true_history)) {
-            life = Some(life.unwrap_or(0.0_f64).max((a - b).abs()));
-        }
+        });
+        let change = first.zip(true_first).map(|(a, b)| (a - b).abs());
+        life = change.map(|change| life.unwrap_or(0.0_f64).max(change)).or(life);
     }
     let relative = cases.iter().fold(0.0, |a: f64, case| a.max(case.off / scale));
     OutputError { relative, until_limit, life, stated: StatedErrorCheck::new(cases) }
@@ -182,11 +163,9 @@ fn output_error(scene: &Scene, k: usize, pairs: &[ComparedPoint], cases: &[State
 /// Life at which a history first reaches a limit, by linear interpolation [cycles].
 fn crossing(cycles: &[u32], history: &[f64], limit: &LimitState) -> Option<f64> {
     let k = history.iter().position(|x| limit.is_reached(*x))?;
-    if k == 0 {
-        return Some(f64::from(cycles[0]));
-    }
-    let (n0, n1) = (f64::from(cycles[k - 1]), f64::from(cycles[k]));
-    let (y0, y1) = (limit.response(history[k - 1]), limit.response(history[k]));
+    let at = |k: usize| (f64::from(cycles[k]), limit.response(history[k]));
+    let (n1, y1) = at(k);
+    let Some((n0, y0)) = k.checked_sub(1).map(at) else { return Some(n1) };
     Some(n0 + (n1 - n0) * (limit.response_threshold() - y0) / (y1 - y0))
 }
 
@@ -210,10 +189,6 @@ impl StatedValue {
     /// True error over stated error [1]; 0 if both are zero, infinite if only the stated error is zero.
     pub fn ratio(&self) -> f64 {
         if self.off == 0.0 { 0.0 } else { self.off / self.stated }
-    }
-
-    fn is_missed(&self) -> bool {
-        self.off > TIMES * self.stated
     }
 }
 
@@ -243,16 +218,13 @@ impl StatedErrorCheck {
             let rank = (q * ratios.len() as f64).ceil() as usize;
             ratios.get(rank.max(1) - 1).copied().unwrap_or(0.0)
         };
-        let missed: Vec<&StatedValue> = values.iter().filter(|case| case.is_missed()).collect();
-        let mut points: Vec<usize> = missed.iter().map(|case| case.point).collect();
-        points.sort_unstable();
-        points.dedup();
+        let missed: Vec<&StatedValue> = values.iter().filter(|case| case.off > TIMES * case.stated).collect();
         StatedErrorCheck {
             within: share(values.iter().filter(|case| case.off <= case.stated).count()),
             within_twice: share(values.len() - missed.len()),
             median_ratio: quantile(0.5),
             ratio_95: quantile(REQUIRED_SHARE),
-            points_missed: points.len(),
+            points_missed: missed.iter().map(|case| case.point).collect::<BTreeSet<_>>().len(),
         }
     }
 

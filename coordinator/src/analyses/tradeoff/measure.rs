@@ -1,7 +1,7 @@
 //! Evaluations of several settings at several points by any evaluator.
 
 use crate::farm::evaluate::{EvaluateError, Evaluator, Finished, Request};
-use common::accuracy::{AccuracyNameError, NamedAccuracy};
+use common::accuracy::{Accuracy, AccuracyNameError, NamedAccuracy};
 
 /// Settings and points to be measured.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,10 +26,9 @@ pub struct Measurement {
 impl TradeoffPlan {
     /// The requests of the plan, point by point, so that complete points can be compared after an interruption: number (1 + settings) point + k is `reference` for k = 0, else setting k - 1.
     fn requests(&self) -> Vec<Request> {
-        let reference = common::accuracy::Accuracy::reference();
-        let accuracies: Vec<_> =
-            std::iter::once(reference).chain(self.settings.iter().map(|s| s.accuracy)).collect();
-        let jobs = self.points.iter().flat_map(|point| accuracies.iter().map(move |a| (point, *a)));
+        let accuracies =
+            || [Accuracy::reference()].into_iter().chain(self.settings.iter().map(|s| s.accuracy));
+        let jobs = self.points.iter().flat_map(|point| accuracies().map(move |a| (point, a)));
         (0..).zip(jobs).map(|(id, (point, accuracy))| Request::at(id, point.clone(), accuracy)).collect()
     }
 
@@ -50,21 +49,11 @@ impl TradeoffPlan {
             let all = requests.len();
             progress(format!("{done}/{all} evaluations: {setting} at point {point}, {seconds:.2} s"));
         });
-        let mut points: Vec<Vec<Finished>> = Vec::new();
-        let mut rest = finished.into_iter();
-        while let Some(point) = rest.by_ref().take(per_point).collect::<Option<Vec<_>>>() {
-            if point.is_empty() {
-                break;
-            }
-            points.push(point);
-        }
+        let points = finished.chunks(per_point).map_while(|point| point.iter().cloned().collect());
+        let points: Vec<Vec<Finished>> = points.collect();
         let column = |k: usize| points.iter().map(|point| point[k].clone()).collect();
-        let measurement = Measurement {
-            points: points.len(),
-            reference: column(0),
-            settings: (1..per_point).map(column).collect(),
-        };
-        (measurement, end)
+        let (reference, settings) = (column(0), (1..per_point).map(column).collect());
+        (Measurement { points: points.len(), reference, settings }, end)
     }
 }
 
@@ -85,32 +74,17 @@ pub const QUICK: [&str; 10] = [
     "jump-2000",
 ];
 
-/// Single parameters, then combinations, in addition to [`QUICK`]; a new parameter needs a word in [`NamedAccuracy`] and a line here.
-const MORE: [&str; 24] = [
-    "step-x2",
-    "step-x0.5",
-    "jump-100",
-    "jump-250",
-    "jump-500",
-    "jump-1000",
-    "wear-tolerance-5e-3",
-    "wear-tolerance-1e-2",
-    "wear-tolerance-5e-2",
-    "samples-50",
-    "samples-100",
-    "samples-400",
-    "samples-1000",
-    "warm-up-0.02",
-    "warm-up-0.2",
-    "warm-up-1",
-    "dynamic",
-    "draft+step-x2",
-    "draft+step-x0.84",
-    "draft+samples-50",
-    "draft+wear-tolerance-5e-2",
-    "step-x0.84",
-    "step-x0.71+jump-1000",
-    "step-x0.5+jump-500+wear-tolerance-5e-3",
+/// Single parameters, a row each, then combinations, in addition to [`QUICK`]; a new parameter needs a word in [`NamedAccuracy`] and a
+/// row here.
+const MORE: [&[&str]; 8] = [
+    &["step-x2", "step-x0.5"],
+    &["jump-100", "jump-250", "jump-500", "jump-1000"],
+    &["wear-tolerance-5e-3", "wear-tolerance-1e-2", "wear-tolerance-5e-2"],
+    &["samples-50", "samples-100", "samples-400", "samples-1000"],
+    &["warm-up-0.02", "warm-up-0.2", "warm-up-1"],
+    &["dynamic"],
+    &["draft+step-x2", "draft+step-x0.84", "draft+samples-50", "draft+wear-tolerance-5e-2"],
+    &["step-x0.84", "step-x0.71+jump-1000", "step-x0.5+jump-500+wear-tolerance-5e-3"],
 ];
 
 /// The settings of these names.
@@ -125,7 +99,7 @@ pub fn settings<'n>(
 
 /// Names of the whole grid.
 pub fn full() -> impl Iterator<Item = &'static str> {
-    QUICK.into_iter().chain(MORE)
+    QUICK.into_iter().chain(MORE.into_iter().flatten().copied())
 }
 
 #[cfg(test)]

@@ -27,27 +27,20 @@ pub fn answer(
          change is not in these errors.",
         100.0 * REQUIRED_SHARE
     );
-    let mut parts = vec![AnswerPart::Text(text), AnswerPart::Table(table(scene, &sorted, reference))];
+    let table = AnswerPart::Table(table(scene, &sorted, reference));
     let failed = rows.iter().chain([reference]).filter(|row| row.failures > 0);
     let failed: Vec<String> = failed.map(|row| format!("{} at {}", row.setting.name, row.failures)).collect();
-    if !failed.is_empty() {
-        let text = format!("Without a result, and excluded there: {} of {points} points.", failed.join(", "));
-        parts.push(AnswerPart::Text(text));
-    }
+    let names = failed.join(", ");
+    let failed = format!("Without a result, and excluded there: {names} of {points} points.");
+    let failed = (!names.is_empty()).then_some(AnswerPart::Text(failed));
     Answer {
         name: "tradeoff".to_owned(),
         title: format!("Accuracy settings of `{}`, against `reference`, at {points} points", scene.name),
-        parts,
+        parts: [AnswerPart::Text(text), table].into_iter().chain(failed).collect(),
         files: vec![("tradeoff.csv".to_owned(), settings_csv(scene, rows))],
         prints_markdown: true,
         ..Answer::default()
     }
-}
-
-fn shown_name(row: &SettingComparison) -> String {
-    let name = &row.setting.name;
-    let name = if row.setting.is_preset() { format!("**{name}**") } else { name.clone() };
-    if row.efficient { format!("{name} *") } else { name }
 }
 
 fn table(scene: &Scene, rows: &[&SettingComparison], reference: &SettingComparison) -> Table {
@@ -59,7 +52,10 @@ fn table(scene: &Scene, rows: &[&SettingComparison], reference: &SettingComparis
     };
     let own = |row: &SettingComparison| {
         let [steps, cycles] = [row.steps, row.cycles].map(|count| format!("{count:.0}"));
-        let mut cells = vec![shown_name(row), format!("{:.3}", row.seconds), steps, cycles];
+        let stars = if row.setting.is_preset() { "**" } else { "" };
+        let star = if row.efficient { " *" } else { "" };
+        let name = format!("{stars}{}{stars}{star}", row.setting.name);
+        let mut cells = vec![name, format!("{:.3}", row.seconds), steps, cycles];
         for k in 0..scene.outputs.len() {
             let failed = || ["failed".to_owned(), String::new()];
             cells.extend(row.outputs.get(k).map_or_else(failed, of_output));
@@ -67,14 +63,12 @@ fn table(scene: &Scene, rows: &[&SettingComparison], reference: &SettingComparis
         cells
     };
     let compared = |row: &&SettingComparison| {
-        let stated = if row.stated.holds() { "" } else { ", DOES NOT HOLD" };
+        let holds = if row.stated.holds() { "" } else { ", DOES NOT HOLD" };
+        let stated = format!("{:.1} %{holds}", 100.0 * row.stated.within_twice);
         let changes = row.lives.iter().map(|life| life.largest.difference());
         let largest = changes.max_by(|a, b| a.abs().total_cmp(&b.abs()));
-        let last = [
-            format!("{:.1} %{stated}", 100.0 * row.stated.within_twice),
-            largest.map_or("-".to_owned(), |change| format!("{change:+.2}")),
-        ];
-        [own(row), last.to_vec()].concat()
+        let largest = largest.map_or("-".to_owned(), |change| format!("{change:+.2}"));
+        own(row).into_iter().chain([stated, largest]).collect()
     };
     let of_reference = [own(reference), vec![String::new(); 2]].concat();
     let columns = scene.outputs.iter().flat_map(|output| [output.name.as_str(), "life"]);
@@ -92,14 +86,13 @@ fn settings_csv(scene: &Scene, rows: &[SettingComparison]) -> String {
     let states: Vec<&str> = scene.limit_states.iter().map(|limit| limit.name.as_str()).chain(total).collect();
     let cells = |row: &SettingComparison| -> Vec<(String, String)> {
         let own = setting_cells(row).map(|(column, cell)| (column.to_owned(), cell));
-        let outputs = scene.outputs.iter().enumerate().flat_map(|(k, output)| {
-            let cells = output_cells(row.outputs.get(k));
-            cells.map(|(column, cell)| (format!("{}_{column}", output.name), cell))
-        });
-        let lives = states.iter().flat_map(|name| {
-            let cells = life_cells(row.lives.iter().find(|life| life.limit_state == *name));
-            cells.map(|(column, cell)| (format!("{name}_{column}"), cell))
-        });
+        let of = |name: &str, cells: &[Cell]| {
+            cells.iter().map(|(column, cell)| (format!("{name}_{column}"), cell.clone())).collect::<Vec<_>>()
+        };
+        let outputs = scene.outputs.iter().enumerate();
+        let outputs = outputs.flat_map(|(k, output)| of(&output.name, &output_cells(row.outputs.get(k))));
+        let life = |name: &str| row.lives.iter().find(|life| life.limit_state == name);
+        let lives = states.iter().flat_map(|name| of(name, &life_cells(life(name))));
         own.into_iter().chain(outputs).chain(lives).collect()
     };
     let rows: Vec<_> = rows.iter().map(cells).collect();
@@ -168,19 +161,11 @@ pub fn values_csv(scene: &Scene, settings: &[NamedAccuracy], measurement: &Measu
             for (k, output) in scene.outputs.iter().enumerate() {
                 let unit = output.kind.unit();
                 for (n, cycles) in found.cycles.iter().enumerate() {
+                    let own =
+                        [&setting.name, &point.to_string(), &output.name, unit.suffix(), &cycles.to_string()];
                     let values = [found.histories[k][n], reference.histories[k][n], found.errors[k][n]];
-                    let [value, truth, stated] = values.map(|si| format!("{:e}", unit.to_file(si)));
-                    let (point, cycles) = (point.to_string(), cycles.to_string());
-                    table.push([
-                        &setting.name,
-                        &point,
-                        &output.name,
-                        unit.suffix(),
-                        &cycles,
-                        &value,
-                        &truth,
-                        &stated,
-                    ]);
+                    let values = values.map(|si| format!("{:e}", unit.to_file(si)));
+                    table.push(own.into_iter().chain(values.iter().map(String::as_str)));
                 }
             }
         }

@@ -4,14 +4,14 @@ use super::observation::{Observation, ObservedUnit, Quantity};
 use super::predictor::{Prior, UnitPredictor};
 use super::result::{FleetReport, ObservationRow, RemainingLife, UnitReport, UpdatedVariable};
 use crate::results::life_summary::{CyclesRange, LifeRow};
-use crate::results::summary::{ReliabilityRow, StudySummary};
+use crate::results::summary::{PerLimitState, ReliabilityRow, StudySummary};
 use crate::statistics::design::{Stream, open_stream};
 use crate::statistics::reliability::REACH;
 use crate::statistics::updating::{Evidence, Particles, SequentialMonteCarlo, UnitPosterior, Unsupported};
 use crate::study::{LEVELS, LifeModel};
 use common::scene::Scene;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 
 /// Probability, times the number of a unit's observations, below which an observation is improbable [1].
 const IMPROBABLE: f64 = 0.01;
@@ -36,12 +36,8 @@ pub struct FleetSettings {
 impl FleetSettings {
     /// Defaults for a study with this seed.
     pub fn new(seed: u64) -> Self {
-        Self {
-            population: 20_000,
-            monte_carlo: SequentialMonteCarlo { particles: 2000, least: 500.0 },
-            numerical_errors: true,
-            seed,
-        }
+        let monte_carlo = SequentialMonteCarlo { particles: 2000, least: 500.0 };
+        Self { population: 20_000, monte_carlo, numerical_errors: true, seed }
     }
 }
 
@@ -54,7 +50,10 @@ pub fn update(
     settings: &FleetSettings,
 ) -> FleetReport {
     let prior = Prior::new(model, outputs_of(units), settings.population, settings.seed);
-    let updated = |(number, unit): (usize, &ObservedUnit)| update_unit(scene, &prior, unit, number, settings);
+    let updated = |(number, unit): (usize, &ObservedUnit)| match posterior(&prior, unit, number, settings) {
+        Ok(posterior) => report(scene, model, unit, &posterior),
+        Err(found) => unsupported(unit, found),
+    };
     FleetReport {
         scene: scene.name.clone(),
         evaluations: 0,
@@ -68,23 +67,7 @@ pub fn update(
 
 /// Outputs that were measured of any unit.
 pub(in crate::analyses) fn outputs_of(units: &[ObservedUnit]) -> Vec<usize> {
-    let mut outputs: Vec<usize> = units.iter().flat_map(ObservedUnit::outputs).collect();
-    outputs.sort_unstable();
-    outputs.dedup();
-    outputs
-}
-
-fn update_unit(
-    scene: &Scene,
-    prior: &Prior<'_>,
-    unit: &ObservedUnit,
-    number: usize,
-    settings: &FleetSettings,
-) -> UnitReport {
-    match posterior(prior, unit, number, settings) {
-        Ok(posterior) => report(scene, prior.model, unit, &posterior),
-        Err(found) => unsupported(unit, found),
-    }
+    units.iter().flat_map(ObservedUnit::outputs).collect::<BTreeSet<_>>().into_iter().collect()
 }
 
 /// The evidence of a unit's observations, and what its predictor predicts for them.
@@ -107,8 +90,8 @@ pub(in crate::analyses) fn evidence_of<'a>(
             Quantity::Failed { by, error: Some(std) } => Evidence::Life { life, std, by },
         });
     }
-    let numerical_errors = settings.numerical_errors;
-    (evidence, UnitPredictor { model: prior.model, measured, outputs, numerical_errors })
+    let (model, numerical_errors) = (prior.model, settings.numerical_errors);
+    (evidence, UnitPredictor { model, measured, outputs, numerical_errors })
 }
 
 /// A unit after its observations, with the population of `prior` before them.
@@ -131,34 +114,23 @@ pub(in crate::analyses) fn posterior(
 
 /// The report of a unit that no point of the model agrees with.
 fn unsupported(unit: &ObservedUnit, Unsupported { place, resolution }: Unsupported) -> UnitReport {
-    let observation = &unit.observations[place];
-    UnitReport {
-        unit: unit.name.clone(),
-        observed_until: unit.observed_until(),
-        failed_by: unit.failed_by(),
-        warning: Some(format!(
-            "{} at {} cycles (line {}) agrees with none of the points of the model that the earlier observations leave: its \
-             probability is below {resolution:.1e} (95 %), and nothing is stated about this unit; more --points show whether \
-             it is possible",
-            observation.name, observation.cycles, observation.line
-        )),
-        ..UnitReport::default()
-    }
+    let Observation { name, cycles, line, .. } = &unit.observations[place];
+    let warning = format!(
+        "{name} at {cycles} cycles (line {line}) agrees with none of the points of the model that the earlier observations leave: its \
+         probability is below {resolution:.1e} (95 %), and nothing is stated about this unit; more --points show whether \
+         it is possible"
+    );
+    let (failed_by, warning) = (unit.failed_by(), Some(warning));
+    let (unit, observed_until) = (unit.name.clone(), unit.observed_until());
+    UnitReport { unit, observed_until, failed_by, warning, ..UnitReport::default() }
 }
 
 fn report(scene: &Scene, model: &LifeModel, unit: &ObservedUnit, posterior: &UnitPosterior) -> UnitReport {
     let now = unit.observed_until();
     let predicted = posterior.probabilities.iter().zip(&posterior.resolutions);
     let rows = unit.observations.iter().zip(predicted);
-    let observations: Vec<ObservationRow> = rows
-        .map(|(o, (probability, resolution))| ObservationRow {
-            line: o.line,
-            cycles: o.cycles,
-            quantity: o.name.clone(),
-            probability: *probability,
-            resolution: *resolution,
-        })
-        .collect();
+    let rows = rows.map(|(o, (probability, resolution))| ObservationRow::new(o, *probability, *resolution));
+    let observations: Vec<ObservationRow> = rows.collect();
     UnitReport {
         unit: unit.name.clone(),
         observed_until: now,
@@ -194,18 +166,13 @@ fn unresolved(posterior: &UnitPosterior) -> Option<String> {
 /// The least probable observation, if it is improbable.
 pub(in crate::analyses) fn warning(observations: &[ObservationRow]) -> Option<String> {
     let least = observations.iter().min_by(|a, b| a.probability.total_cmp(&b.probability))?;
-    (least.probability * observations.len() as f64 <= IMPROBABLE).then(|| {
+    let ObservationRow { quantity, cycles, line, probability, resolution } = least;
+    let unresolved = format!("below {resolution:.1e}, which the number of points does not resolve");
+    let found = if probability < resolution { unresolved } else { format!("{probability:.1e}") };
+    (probability * observations.len() as f64 <= IMPROBABLE).then(|| {
         format!(
-            "{} at {} cycles (line {}) is improbable under the model: probability {}; check the measurement, or whether the \
-             study describes this unit",
-            least.quantity,
-            least.cycles,
-            least.line,
-            if least.probability < least.resolution {
-                format!("below {:.1e}, which the number of points does not resolve", least.resolution)
-            } else {
-                format!("{:.1e}", least.probability)
-            }
+            "{quantity} at {cycles} cycles (line {line}) is improbable under the model: probability {found}; check the measurement, or \
+             whether the study describes this unit"
         )
     })
 }
@@ -217,16 +184,16 @@ fn reliability(scene: &Scene, posterior: &UnitPosterior, now: f64) -> Vec<Reliab
     let row = |cycles: u32| {
         let n = f64::from(cycles).max(now);
         let alive = |s: usize| particles.share(|i| particles.predictions.lives_of(i)[s] > n);
-        let mut r: BTreeMap<String, f64> =
-            scene.limit_states.iter().enumerate().map(|(s, limit)| (limit.name.clone(), alive(s))).collect();
-        r.insert("total".to_owned(), particles.share(|i| particles.predictions.life(i) > n));
-        r.values_mut().for_each(|r| *r = r.clamp(0.0, 1.0));
+        let each = scene.limit_states.iter().enumerate().map(|(s, limit)| (limit.name.clone(), alive(s)));
+        let total = ("total".to_owned(), particles.share(|i| particles.predictions.life(i) > n));
+        let all = each.chain([total]).map(|(name, r)| (name, r.clamp(0.0, 1.0)));
+        let reliability: PerLimitState = all.collect();
         let error = |r: &f64| {
             let p = (effective_size * (1.0 - r) + 1.0) / (effective_size + 2.0);
             (p * (1.0 - p) / effective_size.max(1.0)).sqrt()
         };
-        let standard_error = r.iter().map(|(name, r)| (name.clone(), error(r))).collect();
-        ReliabilityRow { cycles, reliability: r, standard_error, ..ReliabilityRow::default() }
+        let standard_error = reliability.iter().map(|(name, r)| (name.clone(), error(r))).collect();
+        ReliabilityRow { cycles, reliability, standard_error, ..ReliabilityRow::default() }
     };
     std::iter::once(now as u32).chain(later).map(row).collect()
 }
@@ -234,15 +201,12 @@ fn reliability(scene: &Scene, posterior: &UnitPosterior, now: f64) -> Vec<Reliab
 /// Quantiles of the life at probabilities `p`, each with its 95 % interval by the effective sample size [cycles].
 fn quantiles(posterior: &UnitPosterior, p: &[f64]) -> Vec<[f64; 3]> {
     let UnitPosterior { particles, effective_size, .. } = posterior;
-    let triples: Vec<f64> = p
-        .iter()
-        .flat_map(|p| {
-            let half = REACH * (p * (1.0 - p) / effective_size.max(1.0)).sqrt();
-            [*p, (p - half).max(0.0), (p + half).min(1.0)]
-        })
-        .collect();
-    let found = particles.quantiles(&triples, |i| particles.predictions.life(i));
-    found.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect()
+    let triple = |p: &f64| {
+        let half = REACH * (p * (1.0 - p) / effective_size.max(1.0)).sqrt();
+        [*p, (p - half).max(0.0), (p + half).min(1.0)]
+    };
+    let triples: Vec<f64> = p.iter().flat_map(triple).collect();
+    particles.quantiles(&triples, |i| particles.predictions.life(i)).as_chunks().0.to_vec()
 }
 
 /// Lives of the levels of a study's summary.
@@ -272,10 +236,9 @@ fn variables(scene: &Scene, model: &LifeModel, posterior: &UnitPosterior) -> Vec
     let d = model.inputs().dimension();
     // Particles without weight say nothing.
     let least = 1e-9 / particles.len() as f64;
-    let rows: Vec<(f64, Vec<f64>)> = (0..particles.len())
-        .filter(|i| particles.weights[*i] > least)
-        .map(|i| (particles.weights[i], model.inputs().from_independent_normals(&particles.state(i)[..d])))
-        .collect();
+    let kept = (0..particles.len()).filter(|i| particles.weights[*i] > least);
+    let values = |i: usize| model.inputs().from_independent_normals(&particles.state(i)[..d]);
+    let rows: Vec<(f64, Vec<f64>)> = kept.map(|i| (particles.weights[i], values(i))).collect();
     let sum: f64 = rows.iter().map(|(w, _)| w).sum();
     let mean_of = |of: &dyn Fn(&[f64]) -> f64| rows.iter().map(|(w, x)| w * of(x)).sum::<f64>() / sum;
     let updated = |(k, variable): (usize, &common::random::RandomVariable)| {

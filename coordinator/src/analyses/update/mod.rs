@@ -23,6 +23,7 @@ pub use observation::{FleetData, Moment, Observable, Observation, ObservedUnit, 
 pub(in crate::analyses) use predictor::Prior;
 pub use result::{ObservationRow, UnitReport};
 pub use text::answer;
+pub(in crate::analyses) use text::counted_units;
 #[cfg(test)]
 pub(in crate::analyses) use unit_file::parse as parse_fleet;
 pub use unit_file::read as read_fleet;

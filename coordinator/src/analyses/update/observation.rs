@@ -74,8 +74,12 @@ impl ObservedUnit {
 
     /// Life by which the unit had failed [cycles].
     pub fn failed_by(&self) -> Option<f64> {
-        let failed = self.observations.iter().find(|o| matches!(o.quantity, Quantity::Failed { .. }));
-        failed.map(|o| o.cycles)
+        self.failure().map(|failure| failure.cycles)
+    }
+
+    /// The observation that it had failed.
+    pub(super) fn failure(&self) -> Option<&Observation> {
+        self.observations.iter().find(|o| matches!(o.quantity, Quantity::Failed { .. }))
     }
 
     /// Outputs that were measured.

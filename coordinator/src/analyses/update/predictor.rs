@@ -57,33 +57,19 @@ impl UnitPredictor<'_> {
     /// Predictions from lives and histories of `wanted` outputs; `states` are rows of `dimension` coordinates.
     pub fn predictions(&self, states: &[f64], wanted: &[usize], responses: &LifeResponses) -> Predictions {
         let (model, d) = (self.model, self.model.inputs().dimension());
-        let dimension = d + model.deviations();
-        let n = states.len() / dimension;
-        let (mut values, mut errors) = (Vec::new(), Vec::new());
-        for j in 0..n {
-            for (measured, life) in &self.measured {
-                let (value, error) = match *measured {
-                    Observable::Output(output) => {
-                        let place = wanted.iter().position(|w| *w == output).unwrap_or(0);
-                        let value = model.value_at(output, &responses.histories[place], j, *life);
-                        (value, model.error_at(output, value, *life, self.numerical_errors))
-                    }
-                    Observable::Variable(variable) => {
-                        let v = &states[j * dimension..j * dimension + d];
-                        (physical(model, v, variable), 0.0)
-                    }
-                };
-                values.push(value);
-                errors.push(error);
+        let predicted = |(j, v): (usize, &[f64]), (measured, life): &(Observable, f64)| match *measured {
+            Observable::Output(output) => {
+                let place = wanted.iter().position(|w| *w == output).unwrap_or(0);
+                let value = model.value_at(output, &responses.histories[place], j, *life);
+                (value, model.error_at(output, value, *life, self.numerical_errors))
             }
-        }
-        Predictions {
-            values_of_state: self.measured.len(),
-            limit_states: model.limit_states(),
-            values,
-            errors,
-            lives: responses.lives.clone(),
-        }
+            Observable::Variable(variable) => (physical(model, &v[..d], variable), 0.0),
+        };
+        let rows = states.chunks_exact(d + model.deviations()).enumerate();
+        let all = rows.flat_map(|row| self.measured.iter().map(move |measured| predicted(row, measured)));
+        let (values, errors) = all.unzip();
+        let (values_of_state, limit_states) = (self.measured.len(), model.limit_states());
+        Predictions { values_of_state, limit_states, values, errors, lives: responses.lives.clone() }
     }
 }
 
@@ -92,10 +78,8 @@ impl UnitModel for UnitPredictor<'_> {
         let (inputs, width) = (self.model.inputs(), self.model.deviations());
         let d = inputs.dimension();
         let rows = states.chunks_exact(d + width);
-        let points: Vec<f64> = rows
-            .clone()
-            .flat_map(|v| inputs.standardise(&inputs.from_independent_normals(&v[..d])))
-            .collect();
+        let standardised = |v: &[f64]| inputs.standardise(&inputs.from_independent_normals(&v[..d]));
+        let points: Vec<f64> = rows.clone().flat_map(standardised).collect();
         let deviations: Vec<f64> = rows.flat_map(|v| v[d..].iter().copied()).collect();
         let columns = MatRef::from_column_major_slice(&points, d, points.len() / d);
         let responses = self.model.respond(columns, &deviations, &self.outputs);

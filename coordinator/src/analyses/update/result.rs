@@ -1,5 +1,6 @@
 //! The state of units after their observations, as printed by `coordinator update --json`.
 
+use super::observation::Observation;
 use crate::results::life_summary::LifeRow;
 use crate::results::summary::ReliabilityRow;
 use serde::Serialize;
@@ -83,6 +84,14 @@ pub struct UpdatedVariable {
     pub prior_mean: f64,
     /// Standard deviation in the study [SI].
     pub prior_std: f64,
+}
+
+impl ObservationRow {
+    /// An observation with its probability [1], and the one that is resolved.
+    pub(in crate::analyses) fn new(of: &Observation, probability: f64, resolution: f64) -> Self {
+        let Observation { line, cycles, name, .. } = of;
+        Self { line: *line, cycles: *cycles, quantity: name.clone(), probability, resolution }
+    }
 }
 
 /// One observation of a unit.

@@ -17,7 +17,6 @@ const CHANGED: f64 = 0.1;
 /// The units as a table with figures; of a few units the variables that changed.
 pub fn answer(report: &FleetReport) -> Answer {
     let units = &report.units;
-    let counted = format!("{} {}", units.len(), if units.len() == 1 { "unit" } else { "units" });
     let head = ["unit", "observed until", "R up to then", "5 %", "50 %", "95 %", "sample size", "method"];
     let rows = units.iter().map(|unit| unit_row(unit, report.end));
     let meaning = "5 %, 50 %, 95 %: remaining life that the unit exceeds with a probability of 95 %, 50 %, 5 % (quantiles). R up to then: \
@@ -32,16 +31,14 @@ pub fn answer(report: &FleetReport) -> Answer {
     if units.len() <= DETAILED {
         parts.extend(units.iter().filter(|unit| !unit.variables.is_empty()).map(variables));
     }
-    let warning = |unit: &UnitReport| {
-        unit.warning.as_ref().map(|warning| format!("warning: unit {}: {warning}", unit.unit))
-    };
-    let warnings: Vec<String> = units.iter().filter_map(warning).collect();
+    let warned = units.iter().filter_map(|unit| Some((&unit.unit, unit.warning.as_ref()?)));
+    let warnings: Vec<_> = warned.map(|(unit, warning)| format!("warning: unit {unit}: {warning}")).collect();
     if !warnings.is_empty() {
         parts.push(AnswerPart::Notes("To be checked", warnings));
     }
     Answer {
         name: "update".to_owned(),
-        title: format!("{counted} of {}", report.scene),
+        title: format!("{} of {}", counted_units(units.len()), report.scene),
         subtitle: "Remaining life after the last observation, all lives in cycles; no simulation was made"
             .to_owned(),
         parts,
@@ -51,46 +48,40 @@ pub fn answer(report: &FleetReport) -> Answer {
     }
 }
 
+/// A number of units in words.
+pub(in crate::analyses) fn counted_units(n: usize) -> String {
+    format!("{n} {}", if n == 1 { "unit" } else { "units" })
+}
+
 /// The cells of a unit in the table.
 fn unit_row(unit: &UnitReport, end: f64) -> Vec<String> {
-    let now = unit.observed_until;
-    if unit.reliability.is_empty() {
+    let UnitReport { observed_until: now, stages, effective_size: size, resolved, .. } = unit;
+    let (name, until) = (unit.unit.clone(), format!("{now:.0}"));
+    let Some(there) = unit.reliability.first() else {
         let nothing = ["–"; 5].map(str::to_owned);
-        let start = [unit.unit.clone(), format!("{now:.0}")];
         let why = "no point of the model agrees, see below".to_owned();
-        return start.into_iter().chain(nothing).chain([why]).collect();
-    }
-    let there = &unit.reliability[0];
+        return [name, until].into_iter().chain(nothing).chain([why]).collect();
+    };
     let r = format!("{:.3} ± {:.3}", there.reliability["total"], there.standard_error["total"]);
     let left = |life: Option<f64>| life.map_or(format!("> {:.0}", end - now), |life| format!("{life:.0}"));
-    let method = if unit.stages == 0 {
-        "weights".to_owned()
-    } else {
-        format!("sequential Monte Carlo, {} stages", unit.stages)
-    };
+    let monte_carlo = || format!("sequential Monte Carlo, {stages} stages");
+    let method = if *stages == 0 { "weights".to_owned() } else { monte_carlo() };
     let [low, median, high] = match unit.failed_by {
-        Some(_) => ["failed", "failed", "failed"].map(str::to_owned),
-        None if !unit.resolved => ["not resolved"; 3].map(str::to_owned),
+        Some(_) => ["failed"; 3].map(str::to_owned),
+        None if !resolved => ["not resolved"; 3].map(str::to_owned),
         None => [unit.remaining.p5, unit.remaining.p50, unit.remaining.p95].map(left),
     };
-    let size = if unit.resolved {
-        format!("{:.0}", unit.effective_size)
-    } else {
-        format!("{:.2}", unit.effective_size)
-    };
-    vec![unit.unit.clone(), format!("{now:.0}"), r, low, median, high, size, method]
+    let size = if *resolved { format!("{size:.0}") } else { format!("{size:.2}") };
+    vec![name, until, r, low, median, high, size, method]
 }
 
 /// The variables of which the observations say most.
 fn variables(unit: &UnitReport) -> AnswerPart {
     let change = |v: &UpdatedVariable| {
-        if v.prior_std > 0.0 {
-            ((v.mean - v.prior_mean).abs() / v.prior_std).max((v.std / v.prior_std - 1.0).abs())
-        } else {
-            0.0
-        }
+        ((v.mean - v.prior_mean).abs() / v.prior_std).max((v.std / v.prior_std - 1.0).abs())
     };
-    let mut changed: Vec<&UpdatedVariable> = unit.variables.iter().filter(|v| change(v) > CHANGED).collect();
+    let varying = unit.variables.iter().filter(|v| v.prior_std > 0.0);
+    let mut changed: Vec<&UpdatedVariable> = varying.filter(|v| change(v) > CHANGED).collect();
     changed.sort_by(|a, b| change(b).total_cmp(&change(a)));
     if changed.is_empty() {
         return AnswerPart::Text(format!(
@@ -115,21 +106,16 @@ fn units_csv(report: &FleetReport) -> String {
     let or_empty = |value: Option<f64>| value.map_or(String::new(), number);
     let row = |unit: &UnitReport| {
         let there = unit.reliability.first();
-        let least =
-            unit.observations.iter().map(|o| o.probability.max(o.resolution)).fold(f64::INFINITY, f64::min);
-        [
-            unit.unit.clone(),
-            number(unit.observed_until),
-            or_empty(there.map(|row| row.reliability["total"])),
-            or_empty(there.map(|row| row.standard_error["total"])),
-            or_empty(unit.remaining.p5),
-            or_empty(unit.remaining.p50),
-            or_empty(unit.remaining.p95),
-            number(unit.effective_size),
-            unit.stages.to_string(),
-            number(least),
-            unit.warning.clone().unwrap_or_default(),
-        ]
+        let [r, error] =
+            [there.map(|row| row.reliability["total"]), there.map(|row| row.standard_error["total"])];
+        let RemainingLife { p5, p50, p95, .. } = unit.remaining;
+        let [r, error, p5, p50, p95] = [r, error, p5, p50, p95].map(or_empty);
+        let least = unit.observations.iter().map(|o| o.probability.max(o.resolution));
+        let least = least.fold(f64::INFINITY, f64::min);
+        let [until, size, least] = [unit.observed_until, unit.effective_size, least].map(number);
+        let (name, stages) = (unit.unit.clone(), unit.stages.to_string());
+        let warning = unit.warning.clone().unwrap_or_default();
+        [name, until, r, error, p5, p50, p95, size, stages, least, warning]
     };
     csv(head.split(','), report.units.iter().map(row))
 }
@@ -150,18 +136,14 @@ fn remaining(fleet: &FleetReport) -> Figure {
     };
     let mut units: Vec<[f64; 3]> = living.map(lives).collect();
     units.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let points: Vec<[f64; 4]> = (1..)
-        .zip(&units)
-        .map(|(place, [median, low, high])| [f64::from(place), *median, *low, *high])
-        .collect();
-    let most = points.iter().map(|point| point[3]).fold(1.0, f64::max);
-    let series = [Series::new("median, 5 to 95 %", Ink::Series(0), Shape::Measured(points))];
+    let most = units.iter().map(|[_, _, high]| *high).fold(1.0, f64::max);
+    let points =
+        (1..).zip(&units).map(|(place, [median, low, high])| [f64::from(place), *median, *low, *high]);
+    let series = [Series::new("median, 5 to 95 %", Ink::Series(0), Shape::Measured(points.collect()))];
     let x = Axis::linear("unit, in order of its remaining life", (0.0, units.len() as f64 + 1.0));
     let y = Axis::linear("remaining life [cycles]", (0.0, 1.05 * most));
-    Plot { figure: "remaining-life", x, y, series: &series }.figure(
-        "Remaining life",
-        "Dot: median; bar: 5 to 95 %. Lives beyond the end of the study are drawn at its end.",
-    )
+    let caption = "Dot: median; bar: 5 to 95 %. Lives beyond the end of the study are drawn at its end.";
+    Plot { figure: "remaining-life", x, y, series: &series }.figure("Remaining life", caption)
 }
 
 /// R of every unit from the life up to which it was observed, and of a unit of which nothing is known.
@@ -169,14 +151,14 @@ fn curves(fleet: &FleetReport) -> Figure {
     let points = |rows: &[ReliabilityRow]| -> Points {
         rows.iter().map(|row| (f64::from(row.cycles), row.reliability["total"])).collect()
     };
-    let before = Shape::Dashed(points(&fleet.reliability));
-    let mut series = vec![Series::new("nothing measured", Ink::Muted, before)];
-    for (k, unit) in fleet.units.iter().enumerate() {
-        series.push(Series::new(&unit.unit, Ink::Series(k), Shape::Line(points(&unit.reliability))));
-    }
+    let before = Series::new("nothing measured", Ink::Muted, Shape::Dashed(points(&fleet.reliability)));
+    let units = fleet
+        .units
+        .iter()
+        .enumerate()
+        .map(|(k, unit)| Series::new(&unit.unit, Ink::Series(k), Shape::Line(points(&unit.reliability))));
+    let series: Vec<Series> = [before].into_iter().chain(units).collect();
     let x = Axis::linear("life [cycles]", (0.0, fleet.end));
-    Plot::of_reliability("updated-reliability", x, &series).figure(
-        "Reliability",
-        "Probability of no failure up to this life, given what was observed of each unit.",
-    )
+    let caption = "Probability of no failure up to this life, given what was observed of each unit.";
+    Plot::of_reliability("updated-reliability", x, &series).figure("Reliability", caption)
 }

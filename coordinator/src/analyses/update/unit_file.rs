@@ -14,7 +14,7 @@ use super::observation::{
 use crate::analyses::quantity::output_quantity;
 use crate::statistics::updating::is_positive_family;
 use crate::study::LifeModel;
-use common::random::{Distribution, RandomVariable};
+use common::random::Distribution;
 use common::scene::{Faults, Scene, SceneSource, Section, read_quantity, read_rows, read_text};
 use std::path::Path;
 
@@ -57,33 +57,28 @@ pub fn parse(
     read_rows(text, file, &COLUMNS, |rows| {
         let FleetData { mut units, mut unknown, mut prices } = FleetData::default();
         for (line, row) in rows.iter_mut() {
-            let unit = row.get("unit").and_then(|name| name.as_str());
-            let (of_population, is_price) = (unit == Some(POPULATION), unit == Some(PRICE));
-            if is_price && designs.is_some() {
-                prices.extend(reader.price(row));
-                continue;
-            }
-            if let Some(designs) = designs.filter(|_| of_population) {
-                let read = reader.unknown(row, designs);
-                let is_same = |other: &UnknownParameter| {
-                    read.is_some_and(|read| (read.variable, read.moment) == (other.variable, other.moment))
-                };
-                if unknown.iter().any(is_same) {
-                    row.inconsistent("quantity", "this parameter has a row already");
+            match (row.get("unit").and_then(|name| name.as_str()), designs) {
+                (Some(PRICE), Some(_)) => prices.extend(reader.price(row)),
+                (Some(POPULATION), Some(designs)) => {
+                    let Some(read) = reader.unknown(row, designs) else { continue };
+                    let of = |parameter: &UnknownParameter| (parameter.variable, parameter.moment);
+                    if unknown.iter().any(|other| of(other) == of(&read)) {
+                        row.inconsistent("quantity", "this parameter has a row already");
+                    }
+                    unknown.push(read);
                 }
-                unknown.extend(read);
-                continue;
-            }
-            let Some((name, observation)) = reader.observation(*line, row) else { continue };
-            match units.iter_mut().find(|unit| unit.name == name) {
-                Some(unit) => unit.observations.push(observation),
-                None => units.push(ObservedUnit { name, observations: vec![observation] }),
+                _ => {
+                    let Some((name, observation)) = reader.observation(*line, row) else { continue };
+                    match units.iter_mut().find(|unit| unit.name == name) {
+                        Some(unit) => unit.observations.push(observation),
+                        None => units.push(ObservedUnit { name, observations: vec![observation] }),
+                    }
+                }
             }
         }
         for unit in &mut units {
-            unit.observations.sort_by(|a, b| {
-                a.cycles.total_cmp(&b.cycles).then(a.quantity.rank().cmp(&b.quantity.rank()))
-            });
+            let rank = |o: &Observation| o.quantity.rank();
+            unit.observations.sort_by(|a, b| a.cycles.total_cmp(&b.cycles).then(rank(a).cmp(&rank(b))));
             for (line, column, what) in contradictions(unit) {
                 let row = rows.iter().find(|(other, _)| *other == line);
                 row.expect("observations are those of rows").1.inconsistent(column, what);
@@ -112,20 +107,19 @@ impl UnitReader<'_> {
         (row.fault_count() == before).then_some((unit?.to_owned(), observation))
     }
 
-    /// Names of outputs, random variables and `words`.
-    fn names<'s>(&'s self, words: &[&'s str]) -> Vec<&'s str> {
-        let outputs = self.scene.outputs.iter().map(|output| output.name.as_str());
-        let variables = self.scene.variables.iter().map(|variable| variable.name.as_str());
-        outputs.chain(variables).chain(words.iter().copied()).collect()
-    }
-
-    /// The output or the variable at a place of these names; `None` for a word.
-    fn observable(&self, place: usize) -> Option<Observable> {
-        let outputs = self.scene.outputs.len();
-        match place.checked_sub(outputs) {
-            None => Some(Observable::Output(place)),
-            Some(k) => (k < self.scene.variables.len()).then_some(Observable::Variable(k)),
-        }
+    /// The output, the random variable (`None` for one of `words`) that a row names, as it is written in the scene.
+    fn named<'s>(
+        &'s self,
+        row: &Section,
+        name: &str,
+        words: &[&'s str],
+    ) -> Option<(&'s str, Option<Observable>)> {
+        let Scene { outputs, variables, .. } = self.scene;
+        let outputs = outputs.iter().zip(0..).map(|(o, k)| (o.name.as_str(), Some(Observable::Output(k))));
+        let variables =
+            variables.iter().zip(0..).map(|(v, k)| (v.name.as_str(), Some(Observable::Variable(k))));
+        let all: Vec<_> = outputs.chain(variables).chain(words.iter().map(|word| (*word, None))).collect();
+        row.meant("quantity", "quantity", name, all.iter().map(|(name, _)| *name)).map(|place| all[place])
     }
 
     /// The price of one observation of a kind.
@@ -136,20 +130,14 @@ impl UnitReader<'_> {
             }
         }
         let name = row.text("quantity", "failed, an output or a random variable")?;
-        let place = row.meant("quantity", "quantity", name, self.names(&["failed"]).into_iter())?;
+        let (_, of) = self.named(row, name, &["failed"])?;
         let text = row.text_or("value", "a price", "")?;
-        let price = text.parse::<f64>().ok().filter(|price| price.is_finite() && *price > 0.0);
-        if price.is_none() {
-            row.inconsistent("value", format!("{text:?}: allowed: a number above 0"));
-        }
-        Some((self.observable(place), price?))
+        Some((of, positive(row, "value", text, "a number above 0")?))
     }
 
     fn quantity(&self, name: &str, row: &mut Section) -> Option<Quantity> {
-        let all = self.names(&["survived", "failed"]);
-        let place = row.meant("quantity", "quantity", name, all.iter().copied())?;
-        let Some(of) = self.observable(place) else {
-            let word = all[place];
+        let (word, of) = self.named(row, name, &["survived", "failed"])?;
+        let Some(of) = of else {
             if word == "failed" {
                 return self.failure(row);
             }
@@ -160,20 +148,18 @@ impl UnitReader<'_> {
             }
             return Some(Quantity::Survived);
         };
-        let output = self.scene.outputs.get(place);
         if let Observable::Variable(k) = of
             && self.scene.variables[k].distribution.is_constant()
         {
-            row.inconsistent(
-                "quantity",
-                format!("{name} is constant in this study: there is nothing to learn"),
-            );
+            let what = format!("{name} is constant in this study: there is nothing to learn");
+            row.inconsistent("quantity", what);
         }
         let [value, error] = ["value", "error"].map(|column| {
             let text = row.text_or(column, "a quantity", "").unwrap_or_default();
-            let read = match (output, self.source.kind_of(all[place])) {
-                (Some(output), _) => output_quantity(output, text),
-                (None, kind) => read_quantity(text, kind?).map_err(|fault| fault.to_string()),
+            let read = if let Observable::Output(k) = of {
+                output_quantity(&self.scene.outputs[k], text)
+            } else {
+                read_quantity(text, self.source.kind_of(word)?).map_err(|fault| fault.to_string())
             };
             read.map_err(|what| row.inconsistent(column, what)).ok()
         });
@@ -188,14 +174,11 @@ impl UnitReader<'_> {
         let by = row.text_or("value", "a limit state", "")?;
         let names = self.scene.limit_states.iter().map(|limit| limit.name.as_str());
         let by = if by.is_empty() { None } else { Some(row.meant("value", "limit state", by, names)?) };
-        let error = row.text_or("error", "a number of cycles", "")?;
-        let read = error.parse::<f64>().ok().filter(|error| *error > 0.0 && error.is_finite());
-        if !error.is_empty() && read.is_none() {
-            let allowed = "the standard deviation of the life at which it failed, a number of cycles above 0, or nothing if \
-                           it failed at some life until then";
-            row.inconsistent("error", format!("{error:?}: allowed: {allowed}"));
-        }
-        Some(Quantity::Failed { by, error: read })
+        let error = Some(row.text_or("error", "a number of cycles", "")?).filter(|error| !error.is_empty());
+        let allowed = "the standard deviation of the life at which it failed, a number of cycles above 0, or nothing if \
+                       it failed at some life until then";
+        let error = error.and_then(|error| positive(row, "error", error, allowed));
+        Some(Quantity::Failed { by, error })
     }
 
     /// An unknown parameter of the population.
@@ -208,21 +191,15 @@ impl UnitReader<'_> {
         let (variable, word) = name.rsplit_once('.').unwrap_or((name, ""));
         let variables = self.scene.variables.iter().map(|variable| variable.name.as_str());
         let k = row.meant("quantity", "random variable", variable, variables)?;
-        let RandomVariable { distribution, .. } = &self.scene.variables[k];
+        let distribution = &self.scene.variables[k].distribution;
         let is_design = designs.contains(&k);
-        let moment = match word {
-            "mean" if !is_design => Moment::Mean,
-            "std" if !is_design => Moment::Std,
-            "" if is_design => Moment::Mean,
-            _ if is_design => {
-                row.inconsistent(
-                    "quantity",
-                    format!("{variable} is a design variable: its row is {variable}"),
-                );
-                return None;
-            }
+        let moment = match (word, is_design) {
+            ("mean", false) | ("", true) => Moment::Mean,
+            ("std", false) => Moment::Std,
             _ => {
-                row.inconsistent("quantity", format!("allowed: {variable}.mean or {variable}.std"));
+                let of_design = format!("{variable} is a design variable: its row is {variable}");
+                let of_law = format!("allowed: {variable}.mean or {variable}.std");
+                row.inconsistent("quantity", if is_design { of_design } else { of_law });
                 return None;
             }
         };
@@ -244,109 +221,95 @@ impl UnitReader<'_> {
             row.inconsistent("quantity", format!("{variable} {why}"));
         }
         let kind = self.source.kind_of(variable)?;
-        let cells =
-            ["value", "error"].map(|column| row.text_or(column, "a quantity", "").unwrap_or_default());
-        if cells.iter().all(|cell| cell.is_empty()) {
-            return (row.fault_count() == before).then_some(UnknownParameter {
-                variable: k,
-                moment,
-                prior: None,
-            });
-        }
-        let mut read = [0.0; 2];
-        for (place, column) in ["value", "error"].into_iter().enumerate() {
-            match read_quantity(cells[place], kind) {
-                Ok(value) => read[place] = value,
-                Err(fault) => row.inconsistent(column, fault.to_string()),
+        let cells = ["value", "error"]
+            .map(|column| (column, row.text_or(column, "a quantity", "").unwrap_or_default()));
+        let is_flat = cells.iter().all(|(_, cell)| cell.is_empty());
+        let prior = (!is_flat).then(|| {
+            let read = |(column, cell): (&'static str, &str)| {
+                read_quantity(cell, kind).unwrap_or_else(|fault| {
+                    row.inconsistent(column, fault.to_string());
+                    0.0
+                })
+            };
+            let [value, error] = cells.map(read);
+            if (moment == Moment::Std || is_positive_family(distribution)) && value <= 0.0 {
+                row.inconsistent("value", "allowed: above 0");
             }
-        }
-        let [value, error] = read;
-        let positive = moment == Moment::Std || is_positive_family(distribution);
-        if positive && value <= 0.0 {
-            row.inconsistent("value", "allowed: above 0");
-        }
-        let (lower, upper) = distribution.support();
-        if is_design && !(lower < value && value < upper) {
-            row.inconsistent(
-                "value",
-                format!("allowed: within the range of the study, {lower} to {upper} [SI]"),
-            );
-        }
-        if error <= 0.0 {
-            row.inconsistent("error", "allowed: the standard deviation of the prior, above 0; nothing in both columns for a flat one");
-        }
-        let prior = Some((value, error));
+            let (lower, upper) = distribution.support();
+            if is_design && !(lower < value && value < upper) {
+                let range = format!("{lower} to {upper} [SI]");
+                row.inconsistent("value", format!("allowed: within the range of the study, {range}"));
+            }
+            if error <= 0.0 {
+                row.inconsistent("error", "allowed: the standard deviation of the prior, above 0; nothing in both columns for a flat one");
+            }
+            (value, error)
+        });
         (row.fault_count() == before).then_some(UnknownParameter { variable: k, moment, prior })
     }
 
     fn cycles(&self, row: &mut Section, quantity: Option<&Quantity>) -> Option<f64> {
         let text = row.text_or("cycles", "a number of cycles", "")?;
-        let of = match quantity {
-            Some(Quantity::Measured { of, .. }) => Some(of),
-            _ => None,
-        };
-        if text.is_empty() && (quantity.is_none() || matches!(of, Some(Observable::Variable(_)))) {
-            return Some(0.0);
-        }
-        let first = match of {
-            Some(Observable::Output(output)) => self.model.beginning(*output),
+        let first = match quantity {
+            None | Some(Quantity::Measured { of: Observable::Variable(_), .. }) if text.is_empty() => {
+                return Some(0.0);
+            }
+            Some(Quantity::Measured { of: Observable::Output(output), .. }) => self.model.beginning(*output),
             _ => 0.0,
         };
         let last = self.model.end();
         let read = text.parse::<f64>().ok().filter(|n| (first..=last).contains(n));
         if read.is_none() {
-            let from = if first > 0.0 {
-                format!("{first:.0}, the first checkpoint (the value at the start of life is not known),")
-            } else {
-                "0".to_owned()
-            };
-            let allowed = format!("a number of cycles from {from} to {last:.0}, the end of the study");
+            let why = ", the first checkpoint (the value at the start of life is not known),";
+            let why = if first > 0.0 { why } else { "" };
+            let allowed =
+                format!("a number of cycles from {first:.0}{why} to {last:.0}, the end of the study");
             row.inconsistent("cycles", format!("{text:?}: allowed: {allowed}"));
         }
         read
     }
 }
 
+/// A number above 0 from a cell; `allowed` says what may stand there.
+fn positive(row: &Section, column: &str, text: &str, allowed: &str) -> Option<f64> {
+    let read = text.parse::<f64>().ok().filter(|value| *value > 0.0 && value.is_finite());
+    if read.is_none() {
+        row.inconsistent(column, format!("{text:?}: allowed: {allowed}"));
+    }
+    read
+}
+
 /// Observations of a unit, in order, that cannot be true together: line, column and why.
 fn contradictions(unit: &ObservedUnit) -> Vec<(u64, &'static str, String)> {
     let mut faults = Vec::new();
-    let is_failure = |o: &&Observation| matches!(o.quantity, Quantity::Failed { .. });
-    let failed = unit.observations.iter().find(is_failure);
+    let failed = unit.failure();
     for (place, observation) in unit.observations.iter().enumerate() {
         let Observation { line, cycles, ref name, quantity } = *observation;
         if let Some(failure) = failed.filter(|failure| failure.line != line) {
             let after = match quantity {
                 Quantity::Measured { of: Observable::Variable(_), .. } => false,
                 Quantity::Survived => cycles >= failure.cycles,
-                _ => cycles > failure.cycles || is_failure(&observation),
+                _ => cycles > failure.cycles || matches!(quantity, Quantity::Failed { .. }),
             };
             if after {
-                let what = format!(
-                    "unit {} had failed by {} cycles (line {}); nothing can follow",
-                    unit.name, failure.cycles, failure.line
-                );
+                let (unit, Observation { line: at, cycles, .. }) = (&unit.name, failure);
+                let what =
+                    format!("unit {unit} had failed by {cycles} cycles (line {at}); nothing can follow");
                 faults.push((line, "cycles", what));
             }
         }
+        let Quantity::Measured { of, value: other, error: f } = quantity else { continue };
         for before in &unit.observations[..place] {
-            let (
-                Quantity::Measured { of: first, value: one, error: e },
-                Quantity::Measured { of, value: other, error: f },
-            ) = (before.quantity, quantity)
-            else {
-                continue;
-            };
+            let Quantity::Measured { of: first, value: one, error: e } = before.quantity else { continue };
             let same_life = before.cycles == cycles || matches!(of, Observable::Variable(_));
             let (difference, error) = ((one - other).abs(), e.hypot(f));
             if same_life && first == of && difference > CONTRADICTION * error {
+                let (unit, first, times) = (&unit.name, before.line, difference / error);
                 let what = format!(
-                    "{name} of unit {} contradicts line {}: the values differ by {:.1} standard deviations of their errors; \
-                     allowed: at most {CONTRADICTION}",
-                    unit.name,
-                    before.line,
-                    difference / error
+                    "{name} of unit {unit} contradicts line {first}: the values differ by {times:.1} standard deviations of their \
+                     errors; allowed: at most {CONTRADICTION}"
                 );
-                faults.push((line.max(before.line), "value", what));
+                faults.push((line.max(first), "value", what));
             }
         }
     }

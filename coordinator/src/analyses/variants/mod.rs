@@ -35,8 +35,7 @@ pub fn row(
     let Some(learned) = &found.learned else { return row };
     let summary = |learned| -> StudySummary { result_of(scene, settings, learned, Instant::now()).summary };
     let (before, after) = (summary(base), summary(learned));
-    let firsts = [base, learned].map(|learned| learned.assessment.first_failures());
-    let [first, changed] = firsts;
+    let [first, changed] = [base, learned].map(|learned| learned.assessment.first_failures());
     let changes = PairedResults::new(first, changed, OtherErrors::Nested).lives(&before, &after);
     let of_system = changes.into_iter().filter(|change| change.limit_state == "total");
     VariantRow {

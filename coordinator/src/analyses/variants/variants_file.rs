@@ -66,20 +66,18 @@ pub fn read(file: &InputFile, source: &SceneSource) -> Result<Vec<ModelVariant>,
         if rows.is_empty() || rows.len() > MOST {
             file.inconsistent("variants", format!("allowed: 1 to {MOST} [[variants]]"));
         }
-        let origin = &source;
-        rows.into_iter().filter_map(|(name, mut row)| variant(name, &mut row, origin)).collect()
+        rows.into_iter().filter_map(|(name, mut row)| variant(name, &mut row, source)).collect()
     })
 }
 
 fn variant(name: &str, row: &mut Section, base: &SceneSource) -> Option<ModelVariant> {
     let before = row.fault_count();
-    let given = row.get("set");
-    let none = Table::new();
-    let keys = given.and_then(|value| value.as_table());
-    if let (Some(value), None) = (given, keys) {
-        row.wrong_type("set", value, "a table of keys of the scene and their values");
-    }
-    let keys = keys.unwrap_or(&none);
+    let none = toml::Value::Table(Table::new());
+    let given = row.get("set").unwrap_or(&none);
+    let keys = given.as_table().unwrap_or_else(|| {
+        row.wrong_type("set", given, "a table of keys of the scene and their values");
+        none.as_table().expect("a table")
+    });
     let text = row.text_or("accuracy", "the name of an accuracy", "").unwrap_or_default();
     let accuracy = if text.is_empty() { Ok(None) } else { text.parse::<NamedAccuracy>().map(Some) };
     if let Err(error) = &accuracy {
@@ -95,7 +93,9 @@ fn variant(name: &str, row: &mut Section, base: &SceneSource) -> Option<ModelVar
     let source = match with_keys(base, "set", keys) {
         Ok(source) => source,
         Err(Faults(faults)) => {
-            faults.iter().for_each(|fault| row.inconsistent("set", fault.to_string()));
+            for fault in faults {
+                row.inconsistent("set", fault.to_string());
+            }
             return None;
         }
     };
@@ -105,37 +105,23 @@ fn variant(name: &str, row: &mut Section, base: &SceneSource) -> Option<ModelVar
     let changes = keys.iter().map(|(key, value)| format!("{key} = {value}"));
     let of_accuracy = (!text.is_empty()).then(|| format!("accuracy = {text}"));
     let changes = changes.chain(of_accuracy).collect();
-    (row.fault_count() == before).then_some(ModelVariant {
-        name: name.to_owned(),
-        changes,
-        scene: source.text().to_owned(),
-        accuracy: accuracy.ok()?,
-        level: 0,
-        is_asked: true,
-    })
+    let (name, scene, accuracy) = (name.to_owned(), source.text().to_owned(), accuracy.ok()?);
+    let variant = ModelVariant { name, changes, scene, accuracy, level: 0, is_asked: true };
+    (row.fault_count() == before).then_some(variant)
 }
 
 /// What two scenes differ in that makes them different studies.
 fn other_study(a: &Scene, b: &Scene) -> Option<&'static str> {
-    let variables = |scene: &Scene| -> Vec<_> {
-        scene
-            .variables
-            .iter()
-            .map(|variable| (variable.name.clone(), variable.distribution.clone()))
-            .collect()
-    };
-    let outputs =
-        |scene: &Scene| -> Vec<String> { scene.outputs.iter().map(|output| output.name.clone()).collect() };
-    if variables(a) != variables(b) {
-        return Some("random variables");
-    }
-    if outputs(a) != outputs(b) {
-        return Some("outputs");
-    }
-    if a.limit_states != b.limit_states {
-        return Some("limit states");
-    }
-    (a.life.checkpoints() != b.life.checkpoints()).then_some("checkpoints")
+    let variables = [a, b].map(|scene| scene.variables.iter().map(|v| (&v.name, &v.distribution)));
+    let outputs = [a, b].map(|scene| scene.outputs.iter().map(|output| &output.name));
+    let ([own, others], [names, other_names]) = (variables, outputs);
+    let differences = [
+        (own.ne(others), "random variables"),
+        (names.ne(other_names), "outputs"),
+        (a.limit_states != b.limit_states, "limit states"),
+        (a.life.checkpoints() != b.life.checkpoints(), "checkpoints"),
+    ];
+    differences.into_iter().find_map(|(differ, what)| differ.then_some(what))
 }
 
 #[cfg(test)]

@@ -82,36 +82,27 @@ fn add(row: &mut Section, word: &'static str, question: &LifeQuestion<'_>, units
     let is_observation = word == "quantity";
     let name = row.text("unit", "the name of the unit");
     let state = row.text(word, "failed, running or interval");
-    let is_measured = is_observation && !matches!(state, Some("failed" | "survived"));
-    let (Some(name), Some(state)) = (name, state) else { return };
-    if is_measured {
-        return;
-    }
+    let counts = |state: &&str| !is_observation || ["failed", "survived"].contains(state);
+    let (Some(name), Some(state)) = (name, state.filter(counts)) else { return };
     let Some(cycles) = life(row, "cycles", question.end) else { return };
     let before = units.iter().position(|unit| unit.name == name);
-    let is_again = before.is_some_and(|place| !is_observation || units[place].failed.is_some());
-    if is_again {
+    if before.is_some_and(|place| !is_observation || units[place].failed.is_some()) {
         let what = if is_observation { "has failed in a row before" } else { "has a row already" };
         row.inconsistent("unit", format!("unit {name} {what}"));
         return;
     }
-    let place = before.unwrap_or_else(|| {
+    let place = before.unwrap_or(units.len());
+    if place == units.len() {
         units.push(UnitRows { name: name.to_owned(), survived: 0.0, failed: None });
-        units.len() - 1
-    });
+    }
     let unit = &mut units[place];
     let by = |row: &mut Section| {
         let column = if is_observation { "value" } else { "mode" };
         let mode = row.text_or(column, "a limit state", "").filter(|mode| !mode.is_empty());
-        match (mode, question.known) {
-            (Some(mode), Some(known)) => {
-                let known = known.iter().map(String::as_str);
-                row.reference(column, "limit state", mode, known);
-            }
-            (None, _) if question.mode.is_some() => {
-                row.inconsistent(column, "by which limit state it failed is needed with --mode");
-            }
-            _ => {}
+        if let (Some(mode), Some(known)) = (mode, question.known) {
+            row.reference(column, "limit state", mode, known.iter().map(String::as_str));
+        } else if mode.is_none() && question.mode.is_some() {
+            row.inconsistent(column, "by which limit state it failed is needed with --mode");
         }
         mode.map(str::to_owned)
     };
@@ -135,7 +126,7 @@ fn add(row: &mut Section, word: &'static str, question: &LifeQuestion<'_>, units
             unit.survived = from.unwrap_or(0.0);
             unit.failed = Some((cycles, false, by(row)));
         }
-        other => row.inconsistent(word, format!("{other:?}: allowed: failed, running or interval")),
+        other => drop(row.inconsistent(word, format!("{other:?}: allowed: failed, running or interval"))),
     }
 }
 

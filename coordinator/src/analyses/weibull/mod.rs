@@ -76,16 +76,11 @@ impl WeibullReport {
     /// # Errors
     /// [`NoMaximum`].
     pub fn new(lives: Vec<UnitLife>, confidence: f64, level: f64) -> Result<Self, NoMaximum> {
-        let exact = |unit: &UnitLife| match unit {
-            UnitLife::Failed(life) => Some(*life),
-            _ => None,
-        };
+        let exact = |unit: &UnitLife| if let UnitLife::Failed(life) = unit { Some(*life) } else { None };
         let complete: Option<Vec<f64>> = lives.iter().map(exact).collect();
-        let goodness = complete
-            .filter(|lives| lives.len() >= FEWEST)
-            .map(|lives| anderson_darling(Family::Weibull, &lives));
-        let fit = WeibullFit::new(&lives)?;
-        Ok(Self { lives, fit, confidence, level, goodness, study: None })
+        let complete = complete.filter(|lives| lives.len() >= FEWEST);
+        let goodness = complete.map(|lives| anderson_darling(Family::Weibull, &lives));
+        Ok(Self { fit: WeibullFit::new(&lives)?, lives, confidence, level, goodness, study: None })
     }
 
     /// Adds the comparison with a curve of a study, which reaches beyond all lives.

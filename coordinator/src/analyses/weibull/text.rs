@@ -3,6 +3,7 @@
 use super::{StudyEvidence, WeibullReport};
 use crate::presentation::report::format::{significant, three_digits};
 use crate::presentation::report::{Answer, AnswerPart, Axis, Figure, Ink, Plot, Series, Shape, Table};
+use crate::statistics::goodness_of_fit::GoodnessOfFit;
 use crate::statistics::life_data::{FitBounds, UnitLife};
 use serde_json::{Value, json};
 
@@ -13,7 +14,8 @@ const CONTRADICTS: f64 = 0.05;
 
 /// The answer with its tables and figure.
 pub fn answer(report: &WeibullReport) -> Answer {
-    let WeibullReport { lives, confidence, .. } = report;
+    let WeibullReport { lives, confidence, goodness, .. } = report;
+    let failures = report.failures();
     let percent = significant(100.0 * confidence, 3);
     let head = ["", "value", "Fisher", "likelihood ratio"];
     let rows = quantities(report).into_iter().map(|(name, bounds)| {
@@ -21,19 +23,18 @@ pub fn answer(report: &WeibullReport) -> Answer {
         let [from, to] = bounds.fisher.map(digits);
         vec![name, digits(bounds.value), format!("{from} to {to}"), format!("{low} to {high}")]
     });
-    let mut notes = vec![match (report.goodness, report.failures() == lives.len()) {
-        (Some(found), _) => format!(
-            "Anderson-Darling: A^2 = {:.3}, p = {}; below 0.05 the lives are not those of a Weibull distribution.",
-            found.statistic,
-            three_digits(found.p)
-        ),
-        (None, true) => "Anderson-Darling: not stated, it needs five exact lives at least.".to_owned(),
-        (None, false) => {
-            "Anderson-Darling: not stated, it is for complete data without suspensions and intervals."
-                .to_owned()
-        }
-    }];
-    if report.failures() < 20 {
+    let (few, incomplete) =
+        ("needs five exact lives at least", "is for complete data without suspensions and intervals");
+    let why = if failures == lives.len() { few } else { incomplete };
+    let goodness = goodness.map(|GoodnessOfFit { statistic, p, .. }| {
+        let p = three_digits(p);
+        format!(
+            "A^2 = {statistic:.3}, p = {p}; below 0.05 the lives are not those of a Weibull distribution."
+        )
+    });
+    let goodness = goodness.unwrap_or_else(|| format!("not stated, it {why}."));
+    let mut notes = vec![format!("Anderson-Darling: {goodness}")];
+    if failures < 20 {
         notes.push("With fewer than 20 failures the likelihood-ratio bounds are the better ones.".to_owned());
     }
     let mut parts = vec![
@@ -45,9 +46,8 @@ pub fn answer(report: &WeibullReport) -> Answer {
     Answer {
         name: "weibull".to_owned(),
         title: format!(
-            "Weibull distribution of {} units, {} failures: shape {}, scale {} cycles",
+            "Weibull distribution of {} units, {failures} failures: shape {}, scale {} cycles",
             lives.len(),
-            report.failures(),
             three_digits(report.fit.law.shape),
             digits(report.fit.law.scale)
         ),
@@ -65,13 +65,12 @@ fn digits(value: f64) -> String {
 /// Shape, scale, B10 and the life at the level asked for.
 fn quantities(report: &WeibullReport) -> Vec<(String, FitBounds)> {
     let WeibullReport { fit, confidence, level, .. } = report;
-    let mut rows = vec![
+    vec![
         ("shape".to_owned(), fit.shape(*confidence)),
         ("scale".to_owned(), fit.life((-1.0_f64).exp(), *confidence)),
         ("B10".to_owned(), fit.life(0.9, *confidence)),
-    ];
-    rows.push((format!("life at R = {level}"), fit.life(*level, *confidence)));
-    rows
+        (format!("life at R = {level}"), fit.life(*level, *confidence)),
+    ]
 }
 
 /// The study against the data, in sentences.
@@ -79,29 +78,25 @@ fn against_study(study: &StudyEvidence, report: &WeibullReport) -> Vec<String> {
     let StudyEvidence { scene, curve, ln_evidence: [physics, weibull], test, largest_p, .. } = study;
     let observed = report.failures();
     let [first, second] = if physics >= weibull { ["study", "Weibull"] } else { ["Weibull", "study"] };
+    let [p, most] = [test.p, *largest_p].map(three_digits);
     let verdict = if *largest_p < CONTRADICTS {
-        format!(
-            "The data contradict the study: every curve of its 95 % band is rejected, p = {} at most",
-            three_digits(*largest_p)
-        )
+        format!("The data contradict the study: every curve of its 95 % band is rejected, p = {most} at most")
     } else if test.p < CONTRADICTS {
         format!(
-            "The data contradict the best estimate of the study, p = {}, but not every curve of its 95 % band, p = {} at most",
-            three_digits(test.p),
-            three_digits(*largest_p)
+            "The data contradict the best estimate of the study, p = {p}, but not every curve of its 95 % band, p = {most} at most"
         )
     } else {
-        format!("The data do not contradict the study, p = {}", three_digits(test.p))
+        format!("The data do not contradict the study, p = {p}")
     };
     let expected = significant(test.expected, 3);
+    let factor = three_digits((physics - weibull).abs().min(600.0).exp());
     vec![
         format!(
             "{verdict}. Failures: {observed}; by R of {curve} of {scene} until the lives of these units expected: {expected}."
         ),
         format!(
             "Evidence, logarithm of the likelihood: study {physics:.2}, Weibull {weibull:.2} (its parameters are fitted to these data and cost \
-             ln {observed}); in favour of {first} against {second} by a factor of {}.",
-            three_digits((physics - weibull).abs().min(600.0).exp())
+             ln {observed}); in favour of {first} against {second} by a factor of {factor}."
         ),
     ]
 }
@@ -118,13 +113,10 @@ fn figure(report: &WeibullReport) -> Figure {
         let [lower, upper] = fit.reliability(t, *confidence);
         (t, lower, upper)
     });
+    let best = times().map(|t| (t, fit.law.reliability(t)));
     let mut series = vec![
         Series::unlisted("Weibull, band", Ink::Series(0), Shape::Band(band.collect())),
-        Series::new(
-            "Weibull",
-            Ink::Series(0),
-            Shape::Line(times().map(|t| (t, fit.law.reliability(t))).collect()),
-        ),
+        Series::new("Weibull", Ink::Series(0), Shape::Line(best.collect())),
     ];
     if let Some(study) = &report.study {
         let [lower, upper] = &study.limits;

@@ -84,14 +84,10 @@ pub fn ask(study: &FinishedStudy<'_>, changed: &Scene) -> Result<WhatIf, StudyEr
     let before = learn_from_results(scene, simulated, settings, outcomes)?;
     let fitted = Some((scene, &before.assessment.surrogates[..]));
     let after = learn_with_surrogates(changed, simulated, settings, outcomes, fitted)?;
-    let summaries = [(scene, &before), (changed, &after)]
+    let [before_summary, mut after_summary] = [(scene, &before), (changed, &after)]
         .map(|(scene, learned)| result_of(scene, settings, learned, started).summary);
-    let paired = PairedResults::new(
-        before.assessment.first_failures(),
-        after.assessment.first_failures(),
-        OtherErrors::Independent,
-    );
-    let [before_summary, mut after_summary] = summaries;
+    let [first, first_changed] = [&before, &after].map(|learned| learned.assessment.first_failures());
+    let paired = PairedResults::new(first, first_changed, OtherErrors::Independent);
     let region = Region::new(scene, &before, &after);
     let unknown = region.unknown_share();
     if unknown > 0.0 {

@@ -1,5 +1,6 @@
 //! What was changed, as data: distributions, correlations and thresholds before and after, in SI units.
 
+use crate::analyses::scene_settings::correlation_of;
 use common::random::{Distribution, RandomVariable};
 use common::scene::{LimitState, Scene};
 use serde::Serialize;
@@ -46,14 +47,9 @@ pub struct LawParameters {
 impl LawParameters {
     fn of(distribution: &Distribution) -> Self {
         let (lower, upper) = distribution.support();
-        let finite = |bound: f64| bound.is_finite().then_some(bound);
-        Self {
-            distribution: distribution.name().to_owned(),
-            mean: distribution.parent_mean(),
-            std: distribution.given_std(),
-            lower: finite(lower),
-            upper: finite(upper),
-        }
+        let [lower, upper] = [lower, upper].map(|bound| bound.is_finite().then_some(bound));
+        let (mean, std) = (distribution.parent_mean(), distribution.given_std());
+        Self { distribution: distribution.name().to_owned(), mean, std, lower, upper }
     }
 }
 
@@ -85,14 +81,11 @@ pub struct ChangedCorrelation {
 fn changed_thresholds(studied: &LimitState, changed: &LimitState) -> Vec<ChangedThreshold> {
     let keys: &[&str] = if studied.middle().is_some() { &["lower", "upper"] } else { &["threshold"] };
     let pairs = studied.thresholds().into_iter().zip(changed.thresholds());
-    let differ = |(_, (before, after)): &(&&str, (f64, f64))| before.to_bits() != after.to_bits();
-    let of_key = |(key, (before, after)): (&&str, (f64, f64))| ChangedThreshold {
-        limit_state: studied.name.clone(),
-        key: (*key).to_owned(),
-        before,
-        after,
+    let of_key = |(key, (before, after)): (&&str, (f64, f64))| {
+        let (limit_state, key) = (studied.name.clone(), (*key).to_owned());
+        (before.to_bits() != after.to_bits()).then_some(ChangedThreshold { limit_state, key, before, after })
     };
-    keys.iter().zip(pairs).filter(differ).map(of_key).collect()
+    keys.iter().zip(pairs).filter_map(of_key).collect()
 }
 
 impl Changes {
@@ -106,18 +99,12 @@ impl Changes {
             after: LawParameters::of(&after.distribution),
         };
         let states = studied.limit_states.iter().zip(&changed.limit_states);
-        let coefficient = |scene: &Scene, i: usize, k: usize| {
-            let pair = |c: &&common::random::Correlation| {
-                (c.first, c.second) == (i, k) || (c.first, c.second) == (k, i)
-            };
-            scene.correlations.iter().find(pair).map_or(0.0, |c| c.coefficient)
-        };
         let d = studied.variables.len();
         let all = (0..d).flat_map(|i| (i + 1..d).map(move |k| (i, k)));
         let correlation = |(i, k): (usize, usize)| ChangedCorrelation {
             variables: [i, k].map(|k| studied.variables[k].name.clone()),
-            before: coefficient(studied, i, k),
-            after: coefficient(changed, i, k),
+            before: correlation_of(studied, i, k),
+            after: correlation_of(changed, i, k),
         };
         Self {
             variables: pairs.filter(|(a, b)| a.distribution != b.distribution).map(variable).collect(),

@@ -71,29 +71,19 @@ impl Region {
                 *range = (range.0.min(*z), range.1.max(*z));
             }
         }
-        let (any_before, by_before) = shares_outside(before, &ranges);
-        let (any_after, by_after) = shares_outside(after, &ranges);
+        let (outside_before, by_before) = shares_outside(before, &ranges);
+        let (outside_after, by_after) = shares_outside(after, &ranges);
         let inputs = before.classified.population.inputs();
-        let mut variables: Vec<OutsideVariable> = scene
-            .variables
-            .iter()
-            .enumerate()
-            .filter(|(k, _)| by_after[*k] > 0.0)
-            .map(|(k, variable)| OutsideVariable {
-                name: variable.name.clone(),
-                simulated_from: inputs.physical_value(k, ranges[k].0),
-                simulated_to: inputs.physical_value(k, ranges[k].1),
-                outside_before: by_before[k],
-                outside_after: by_after[k],
-            })
-            .collect();
+        let variable = |k: usize| OutsideVariable {
+            name: scene.variables[k].name.clone(),
+            simulated_from: inputs.physical_value(k, ranges[k].0),
+            simulated_to: inputs.physical_value(k, ranges[k].1),
+            outside_before: by_before[k],
+            outside_after: by_after[k],
+        };
+        let mut variables: Vec<_> = (0..d).filter(|k| by_after[*k] > 0.0).map(variable).collect();
         variables.sort_by(|a, b| b.outside_after.total_cmp(&a.outside_after));
-        Self {
-            outside_before: any_before,
-            outside_after: any_after,
-            uncertain_after: uncertain(before, after),
-            variables,
-        }
+        Self { outside_before, outside_after, uncertain_after: uncertain(before, after), variables }
     }
 
     /// Share of the changed population outside of the simulated values [1], if it is most of it and more than that of the studied one;
@@ -117,14 +107,10 @@ fn shares_outside(learned: &CampaignResult, ranges: &[(f64, f64)]) -> (f64, Vec<
     let population = &learned.classified.population;
     let (mut any, mut by_variable) = (0usize, vec![0usize; ranges.len()]);
     for j in 0..population.len() {
-        let mut outside = false;
-        for ((count, range), z) in by_variable.iter_mut().zip(ranges).zip(population.standardised(j)) {
-            if *z < range.0 || *z > range.1 {
-                *count += 1;
-                outside = true;
-            }
-        }
-        any += usize::from(outside);
+        let values = population.standardised(j).iter().zip(ranges);
+        let outside: Vec<bool> = values.map(|(z, (low, high))| z < low || z > high).collect();
+        any += usize::from(outside.contains(&true));
+        by_variable.iter_mut().zip(outside).for_each(|(count, is_outside)| *count += usize::from(is_outside));
     }
     let share = |count: usize| count as f64 / population.len() as f64;
     (share(any), by_variable.into_iter().map(share).collect())
@@ -134,14 +120,13 @@ fn shares_outside(learned: &CampaignResult, ranges: &[(f64, f64)]) -> (f64, Vec<
 /// share [`USUAL`] of the studied one.
 fn uncertain(before: &CampaignResult, after: &CampaignResult) -> f64 {
     let modes = before.assessment.modes.iter().zip(&after.assessment.modes);
-    let bounds: Vec<(f64, &[f64])> = modes
-        .map(|(before, after)| {
-            let mut usual = before.variance_factor.clone();
-            let place = ((usual.len() - 1) as f64 * USUAL) as usize;
-            let (_, bound, _) = usual.select_nth_unstable_by(place, f64::total_cmp);
-            (*bound, after.variance_factor.as_slice())
-        })
-        .collect();
+    let bounds = modes.map(|(before, after)| {
+        let mut usual = before.variance_factor.clone();
+        let place = ((usual.len() - 1) as f64 * USUAL) as usize;
+        let (_, bound, _) = usual.select_nth_unstable_by(place, f64::total_cmp);
+        (*bound, after.variance_factor.as_slice())
+    });
+    let bounds: Vec<(f64, &[f64])> = bounds.collect();
     let n = bounds.first().map_or(0, |(_, factors)| factors.len());
     let exceeds = |j: &usize| bounds.iter().any(|(bound, factors)| factors[*j] > *bound);
     (0..n).filter(exceeds).count() as f64 / n.max(1) as f64
@@ -175,9 +160,10 @@ pub(super) fn widen(summary: &mut StudySummary, share: f64) {
     for life in &mut summary.lives {
         let of_life = |curve: &&LifeCurveRow| curve.limit_state == life.limit_state;
         let Some(curve) = summary.curves.iter().find(of_life) else { continue };
+        let fall = |limit: &[f64]| reached(&curve.cycles, limit, life.reliability);
         let range = |lower: &[f64], upper: &[f64], end: f64| CyclesRange {
-            lower: reached(&curve.cycles, lower, life.reliability).unwrap_or(end),
-            upper: reached(&curve.cycles, upper, life.reliability),
+            lower: fall(lower).unwrap_or(end),
+            upper: fall(upper),
         };
         life.interval = range(&curve.lower, &curve.upper, life.interval.lower);
         if let Some(with) = &mut life.with_numerical_error

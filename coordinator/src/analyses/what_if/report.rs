@@ -1,8 +1,8 @@
 //! The answer to a what-if as JSON, and with its tables, sentences and figures.
 
 use super::answer::{Agreement, WhatIf};
-use super::changes::{ChangedVariable, LawParameters};
-use crate::analyses::paired_results::{ChangeOfLife, curve_names};
+use super::changes::{ChangedThreshold, ChangedVariable, LawParameters};
+use crate::analyses::paired_results::{curve_names, spread};
 use crate::presentation::report::format::{
     before_unit, count, percent, shortest, signed_with_width, three_digits, unit_scale,
 };
@@ -83,26 +83,20 @@ fn changes(answer: &WhatIf, scene: &Scene) -> Vec<Vec<String>> {
         vec![v.name.clone(), in_words(&v.before, &v.unit), in_words(&v.after, &v.unit)]
     });
     let thresholds = changes.thresholds.iter().map(|changed| {
-        let state = scene.limit_states.iter().find(|state| state.name == changed.limit_state);
+        let ChangedThreshold { limit_state, key, before, after } = changed;
+        let state = scene.limit_states.iter().find(|state| state.name == *limit_state);
         let unit = state.map(|state| scene.unit_of(&scene.outputs[state.output]));
-        let shown = |value: f64| match &unit {
+        let [before, after] = [*before, *after].map(|value| match &unit {
             Some(unit) => unit.after(&shortest(unit.to_shown(value), 6)),
             None => shortest(value, 6),
-        };
-        let which = if changed.key == "threshold" { "" } else { changed.key.as_str() };
-        vec![
-            format!("{which} threshold of {}", changed.limit_state).trim_start().to_owned(),
-            shown(changed.before),
-            shown(changed.after),
-        ]
+        });
+        let which = if key == "threshold" { String::new() } else { format!("{key} ") };
+        vec![format!("{which}threshold of {limit_state}"), before, after]
     });
     let correlations = changes.correlations.iter().map(|changed| {
         let [a, b] = &changed.variables;
-        vec![
-            format!("correlation of {a} and {b}, as normals"),
-            shortest(changed.before, 6),
-            shortest(changed.after, 6),
-        ]
+        let [before, after] = [changed.before, changed.after].map(|value| shortest(value, 6));
+        vec![format!("correlation of {a} and {b}, as normals"), before, after]
     });
     variables.chain(thresholds).chain(correlations).collect()
 }
@@ -111,14 +105,11 @@ fn in_words(law: &LawParameters, unit: &str) -> String {
     // The unit was read when the scene was checked; "1" denotes a plain number.
     let scale = unit_scale(unit);
     let shown = |value: f64| shortest(value / scale, 6);
-    let mut text = format!("{}, mean {}, std {}", law.distribution, shown(law.mean), shown(law.std));
-    match (law.lower, law.upper) {
-        (Some(lower), Some(upper)) => text += &format!(", from {} to {}", shown(lower), shown(upper)),
-        (Some(lower), None) => text += &format!(", from {}", shown(lower)),
-        (None, Some(upper)) => text += &format!(", to {}", shown(upper)),
-        (None, None) => {}
-    }
-    before_unit(&text, unit)
+    let from = law.lower.map_or(String::new(), |lower| format!(" from {}", shown(lower)));
+    let to = law.upper.map_or(String::new(), |upper| format!(" to {}", shown(upper)));
+    let comma = if from.is_empty() && to.is_empty() { "" } else { "," };
+    let (mean, std) = (shown(law.mean), shown(law.std));
+    before_unit(&format!("{}, mean {mean}, std {std}{comma}{from}{to}", law.distribution), unit)
 }
 
 /// A change with the half-width of its interval and its sign.
@@ -136,25 +127,15 @@ fn reliability_table(answer: &WhatIf) -> Option<Table> {
     let matters: Vec<usize> = (0..answer.before.reliability.len())
         .filter(|n| (first..=last).contains(&answer.before.reliability[*n].cycles))
         .collect();
-    let shown: Vec<usize> = if matters.len() <= ROWS {
-        matters
-    } else {
-        (0..ROWS).map(|i| matters[i * (matters.len() - 1) / (ROWS - 1)]).collect()
-    };
     let row = |n: usize| {
+        let rows = [&answer.before, &answer.after].map(|summary| &summary.reliability[n]);
+        let [before, after] = rows.map(|row| reliability(row, "total"));
         let change = answer.reliability[n].change.get("total").map_or(String::new(), signed);
-        vec![
-            count(answer.before.reliability[n].cycles.into()),
-            reliability(&answer.before.reliability[n], "total"),
-            reliability(&answer.after.reliability[n], "total"),
-            change,
-        ]
+        vec![count(rows[0].cycles.into()), before, after, change]
     };
-    Some(Table::new(
-        "Reliability of the system (no limit state exceeded)",
-        ["cycles", "R before (95 %)", "R after (95 %)", "after minus before (95 %)"],
-        shown.into_iter().map(row),
-    ))
+    let head = ["cycles", "R before (95 %)", "R after (95 %)", "after minus before (95 %)"];
+    let rows = spread(&matters, ROWS).into_iter().map(row);
+    Some(Table::new("Reliability of the system (no limit state exceeded)", head, rows))
 }
 
 /// Lives before and after, per limit state and in total.
@@ -162,15 +143,6 @@ fn lives_table(answer: &WhatIf) -> Option<Table> {
     if answer.before.lives.is_empty() || answer.after.lives.is_empty() {
         return None;
     }
-    let cell =
-        |summary: &StudySummary, name: &str, level: f64| life_with_limits(life_at(summary, name, level));
-    let change = |name: &str, level: f64| {
-        let is_asked =
-            |row: &&ChangeOfLife| row.limit_state == name && row.reliability.to_bits() == level.to_bits();
-        let found = answer.lives.iter().find(is_asked).and_then(|row| row.cycles);
-        let [before, after] = [&answer.before, &answer.after].map(|summary| life_at(summary, name, level));
-        change_of_life(found, before, after)
-    };
     let mut names = curve_names(&answer.before);
     if names.len() == 2 {
         names.remove(0);
@@ -178,12 +150,11 @@ fn lives_table(answer: &WhatIf) -> Option<Table> {
     names.reverse();
     let rows = names.iter().flat_map(|name| {
         LEVELS.map(|level| {
-            vec![
-                format!("{name}, R = {level}"),
-                cell(&answer.before, name, level),
-                cell(&answer.after, name, level),
-                change(name, level),
-            ]
+            let found = answer.lives.iter().find(|row| row.is_of(name, level)).and_then(|row| row.cycles);
+            let lives = [&answer.before, &answer.after].map(|summary| life_at(summary, name, level));
+            let [before, after] = lives.map(life_with_limits);
+            let change = change_of_life(found, lives[0], lives[1]);
+            vec![format!("{name}, R = {level}"), before, after, change]
         })
     });
     let head = ["life [cycles] at", "before (95 %)", "after (95 %)", "after minus before (95 %)"];
@@ -200,75 +171,54 @@ fn first_failure_table(answer: &WhatIf) -> Option<Table> {
     let distance = |n: &usize| (r(*n) - 0.5).abs();
     let last = answer.before.first_failure.len().min(answer.after.first_failure.len()) - 1;
     let half = (0..=last).min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
-    let mut shown = vec![half];
-    if half != last {
-        shown.push(last);
-    }
-    let share =
-        |row: &FirstFailureRow, name: &str| row.first.get(name).map_or(String::new(), |s| percent(*s));
-    let rows = shown.into_iter().flat_map(|n| {
-        let (before, after) = (&answer.before.first_failure[n], &answer.after.first_failure[n]);
-        let row = move |name: &String| {
-            vec![
-                format!("{name}, by {} cycles", count(before.cycles.into())),
-                share(before, name),
-                share(after, name),
-            ]
+    let shown = [Some(half), Some(last).filter(|last| *last != half)].into_iter().flatten();
+    let rows = shown.flat_map(|n| {
+        let both = [&answer.before, &answer.after].map(|summary| &summary.first_failure[n]);
+        let row = move |name: &str, share: &dyn Fn(&FirstFailureRow) -> Option<f64>| {
+            let [before, after] = both.map(|row| share(row).map_or(String::new(), percent));
+            vec![format!("{name}, by {} cycles", count(both[0].cycles.into())), before, after]
         };
-        let together = vec![
-            format!("several at the same checkpoint, by {} cycles", count(before.cycles.into())),
-            percent(before.together),
-            percent(after.together),
-        ];
-        names.iter().map(row).chain([together]).collect::<Vec<_>>()
+        let of_state = move |name: &String| row(name, &|found| found.first.get(name).copied());
+        let together = row("several at the same checkpoint", &|found| Some(found.together));
+        names.iter().map(of_state).chain([together])
     });
     Some(Table::new("First failures", ["share of all that failed first by", "before", "after"], rows))
 }
 
 /// What the numbers mean, how far they can be trusted, and what would improve them.
 fn sentences(answer: &WhatIf, added: usize, command: &str) -> Vec<String> {
-    let mut all = Vec::new();
-    let new = if added == 0 {
-        "none of them new".to_owned()
-    } else {
-        format!("{} of them new", count(added as u64))
-    };
-    all.push(format!(
-        "Answered from {} simulations, {new}, with a population of {} before and after.",
-        count(answer.simulations as u64),
-        count(answer.after.population as u64)
-    ));
-    all.push(
+    let new = if added == 0 { "none".to_owned() } else { count(added as u64) };
+    let mut all = vec![
+        format!(
+            "Answered from {} simulations, {new} of them new, with a population of {} before and after.",
+            count(answer.simulations as u64),
+            count(answer.after.population as u64)
+        ),
         "Both populations are made from the same random numbers, so the sampling error of a change is smaller than that of \
          its two values; their other errors are taken as independent."
             .to_owned(),
-    );
+    ];
     let differs = |agreement: &&Agreement| agreement.stated > 0.0 || agreement.largest_difference > 0.0;
     if let Some(agreement) = answer.agreement.as_ref().filter(differs) {
+        let Agreement { largest_difference, limit_state, cycles, stated } = agreement;
+        let [difference, stated] = [*largest_difference, *stated].map(three_digits);
         all.push(format!(
-            "Without the changes, R differs from that of the study's own summary by {} at most ({} at {} cycles, where the study states ± {}).",
-            three_digits(agreement.largest_difference),
-            agreement.limit_state,
-            count(agreement.cycles.into()),
-            three_digits(agreement.stated)
+            "Without the changes, R differs from that of the study's own summary by {difference} at most ({limit_state} at {} cycles, \
+             where the study states ± {stated}).",
+            count((*cycles).into())
         ));
     }
-    if answer.is_rare {
-        all.push(
-            "Failures of the study are rare: its own result comes from samples near the limit, this answer from a plain count, \
-             which bounds small failure probabilities only."
-                .to_owned(),
-        );
-    }
+    let rare = "Failures of the study are rare: its own result comes from samples near the limit, this answer from a plain count, \
+                which bounds small failure probabilities only.";
+    all.extend(answer.is_rare.then(|| rare.to_owned()));
     all.push(region(answer));
-    if answer.surrogate_error > answer.target_error {
-        all.push(format!(
-            "The estimated surrogate error of R after the change is up to {} (a study stops at {}); more simulations where it \
-             arises reduce it: {command} --refine 20",
-            three_digits(answer.surrogate_error),
-            three_digits(answer.target_error)
-        ));
-    }
+    let [error, target] = [answer.surrogate_error, answer.target_error].map(three_digits);
+    all.extend((answer.surrogate_error > answer.target_error).then(|| {
+        format!(
+            "The estimated surrogate error of R after the change is up to {error} (a study stops at {target}); more simulations where it \
+             arises reduce it: {command} --refine 20"
+        )
+    }));
     all.extend(unresolved_fall(&answer.after).map(|note| format!("Caution: {note}")));
     all
 }
@@ -276,21 +226,18 @@ fn sentences(answer: &WhatIf, added: usize, command: &str) -> Vec<String> {
 /// Where the changed population leaves the simulated region.
 fn region(answer: &WhatIf) -> String {
     let region = &answer.region;
+    let caution = if region.is_left() { "Caution: " } else { "" };
+    let shares = [region.outside_after, region.outside_before, region.uncertain_after];
+    let [after, before, uncertain] = shares.map(percent);
     let mut text = format!(
-        "{}{} of the changed population lie outside the range of the simulated values in at least one variable ({} of the \
-         studied population); in {} the surrogates are less certain than for 99 % of the studied population.",
-        if region.is_left() { "Caution: " } else { "" },
-        percent(region.outside_after),
-        percent(region.outside_before),
-        percent(region.uncertain_after)
+        "{caution}{after} of the changed population lie outside the range of the simulated values in at least one variable ({before} of \
+         the studied population); in {uncertain} the surrogates are less certain than for 99 % of the studied population."
     );
-    let most: Vec<String> = region
-        .variables
-        .iter()
-        .filter(|v| v.is_left())
-        .take(3)
-        .map(|v| format!("{} ({}, before {})", v.name, percent(v.outside_after), percent(v.outside_before)))
-        .collect();
+    let most =
+        region.variables.iter().filter(|v| v.is_left()).take(3).map(|v| {
+            format!("{} ({}, before {})", v.name, percent(v.outside_after), percent(v.outside_before))
+        });
+    let most: Vec<String> = most.collect();
     if !most.is_empty() {
         text += &format!(" Most of them leave it in {}.", most.join(", "));
     }

@@ -197,7 +197,7 @@ fn further_simulations_reduce_the_error_and_leave_the_study_as_it_is() {
         stored: &of_study,
         further: 8,
     };
-    let mut journal = FurtherEvaluations::of(&mut file);
+    let mut journal = FurtherEvaluations(&mut file);
     further.learn(&mut evaluator, &mut journal, &mut Silent).unwrap();
     let all = known(&file);
     assert!((of_study.len() + 1..=of_study.len() + 8).contains(&all.len()), "{}", all.len());

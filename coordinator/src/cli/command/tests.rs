@@ -1,4 +1,4 @@
-use super::super::shared::Slots;
+use super::super::shared::cores;
 use super::*;
 use coordinator::study::Method;
 use std::collections::BTreeSet;
@@ -65,11 +65,11 @@ fn the_first_help_page_names_every_command_once_on_one_screen() {
 fn the_main_job_needs_no_command() {
     let arguments = parse("coordinator --workers auto").unwrap();
     assert!(arguments.command.is_none());
-    assert_eq!(arguments.run.farm.workers, Some(Slots::Auto));
+    assert_eq!(arguments.run.farm.workers, Some(cores()));
     let arguments = parse("coordinator -v run --workers 0 --seed 7 --method monte-carlo").unwrap();
     assert_eq!(arguments.verbosity.verbose, 1);
     let Some(CommandArguments::Run(run)) = arguments.command else { panic!() };
-    assert_eq!((run.farm.workers, run.method.seed), (Some(Slots::Count(0)), Some(7)));
+    assert_eq!((run.farm.workers, run.method.seed), (Some(0), Some(7)));
     assert_eq!(run.method.method, Some(Method::MonteCarlo));
 }
 

@@ -121,10 +121,8 @@ impl ImportedLinkage {
                     )
                 };
                 let start = pair(origin);
-                writeln!(
-                    out,
-                    "motion = \"free\"\n{mass}\nstart_position = {start}\nstart_angle = \"0 deg\""
-                )?;
+                writeln!(out, "motion = \"free\"\n{mass}")?;
+                writeln!(out, "start_position = {start}\nstart_angle = \"0 deg\"")?;
             }
             writeln!(out, "[bodies.points]")?;
             for Pin { name, at, .. } in pins {
@@ -145,18 +143,15 @@ impl ImportedLinkage {
             let [a, b] = ends.map(|pin| &self.pins[pin]);
             let (from, half) = ((a.at[0] - b.at[0]).hypot(a.at[1] - b.at[1]), 30.0 / rate.abs());
             let [of_a, of_b] = [a, b].map(|pin| place(pin.links.first().copied().unwrap_or_default(), pin));
-            writeln!(
-                out,
-                "[[joints]]\nname = \"cylinder{}\"\ntype = \"linear-drive\"\na = {of_a}\nb = {of_b}",
-                k + 1
-            )?;
+            writeln!(out, "[[joints]]\nname = \"cylinder{}\"\ntype = \"linear-drive\"", k + 1)?;
+            writeln!(out, "a = {of_a}\nb = {of_b}")?;
             let (at, to) = (format!("[0, {half}, {}]", 2.0 * half), from + stroke);
             writeln!(
                 out,
                 "length = {{ over = \"time\", at = {{ unit = \"s\", values = {at} }}, value = {{ unit = \"{UNIT}\", values = [{from}, {to}, {from}] }} }}\n"
             )?;
         }
-        writeln!(out, "{END}")
+        write!(out, "{END}")
     }
 }
 
@@ -165,39 +160,7 @@ fn pair([x, y]: [f64; 2]) -> String {
 }
 
 /// Values of the hinge with clearance: those of common bearings.
-const DEFAULTS: &str = r#"[joint_defaults]
-journal_radius = "5 mm"
-radial_clearance = "25 um"
-width = "10 mm"
-journal_material = "steel"
-bushing_material = "bronze"
-contact_law = "local-hertz"
-contact_damping = { hunt_crossley = "1 s/m" }
-film_damping = "100 N s/m"
-friction = 0.1
-friction_speed = "1 mm/s"
-wear_coefficient = "1e-13 1/Pa"
-
-[materials.steel]
-elastic_modulus = "206 GPa"
-poisson_ratio = 0.3
-density = "7850 kg/m^3"
-
-[materials.bronze]
-elastic_modulus = "105 GPa"
-poisson_ratio = 0.33
-"#;
+const DEFAULTS: &str = include_str!("defaults.toml");
 
 /// Output, limit and life.
-const END: &str = r#"[[outputs]]
-name = "wear"
-type = "largest-wear"
-
-[[limit_states]]
-name = "worn"
-output = "wear"
-threshold = "0.1 mm"
-
-[life]
-cycles = 100000
-checkpoint_every = 10000"#;
+const END: &str = include_str!("end.toml");

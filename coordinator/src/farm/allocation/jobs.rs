@@ -47,23 +47,24 @@ struct Job {
 /// All jobs of a campaign.
 #[derive(Debug)]
 pub(super) struct Jobs {
-    settings: ScaleSettings,
+    pub(super) settings: ScaleSettings,
     endpoint: String,
     name: String,
     jobs: Vec<Job>,
-    slots_per_job: Option<u64>,
+    /// Slots of the largest job that has connected.
+    pub(super) slots_per_job: Option<u64>,
     /// Workers of jobs that an earlier coordinator asked for.
     inherited: usize,
     failures_in_a_row: u32,
     next: Option<Instant>,
-    asked: u64,
-    failed: u64,
-    last_failure: String,
+    /// What was asked for so far, without those that wait and run.
+    counted: ScaleStatus,
 }
 
 impl Jobs {
     /// No jobs yet of the campaign whose jobs are called `name`; their workers connect to `endpoint`.
     pub(super) fn new(settings: ScaleSettings, endpoint: String, name: String) -> Self {
+        let (system, most) = (settings.system.to_string(), settings.most as u64);
         Jobs {
             settings,
             endpoint,
@@ -73,20 +74,8 @@ impl Jobs {
             inherited: 0,
             failures_in_a_row: 0,
             next: None,
-            asked: 0,
-            failed: 0,
-            last_failure: String::new(),
+            counted: ScaleStatus { system, most, ..ScaleStatus::default() },
         }
-    }
-
-    /// Most jobs at once.
-    pub(super) fn most(&self) -> usize {
-        self.settings.most
-    }
-
-    /// Slots of the largest job that has connected.
-    pub(super) fn slots_per_job(&self) -> Option<u64> {
-        self.slots_per_job
     }
 
     /// Longest time that a job has been waiting for its worker.
@@ -123,11 +112,11 @@ impl Jobs {
         let pause = PAUSE * 2_u32.saturating_pow(self.failures_in_a_row.min(16));
         self.next = Some(now + pause.min(LONGEST_PAUSE));
         self.failures_in_a_row += 1;
-        self.failed += 1;
-        self.last_failure =
+        self.counted.failed += 1;
+        self.counted.last_failure =
             if reason.is_empty() { "ended before its worker connected".to_owned() } else { reason };
         if self.failures_in_a_row == 1 {
-            tracing::warn!("a job of {} failed: {}", self.settings.system, self.last_failure);
+            tracing::warn!("a job of {} failed: {}", self.settings.system, self.counted.last_failure);
         }
     }
 
@@ -151,15 +140,14 @@ impl Jobs {
     /// Jobs of the campaign that the batch system lists; zero where it cannot be asked.
     fn listed(&self) -> usize {
         let Some(list) = self.settings.system.list() else { return 0 };
-        let output = self.shell(list).stderr(Stdio::null()).output();
-        output
-            .map_or(0, |output| output.stdout.split(|byte| *byte == b'\n').filter(|l| !l.is_empty()).count())
+        let output = self.shell(list).stderr(Stdio::null()).output().map(|output| output.stdout);
+        output.unwrap_or_default().split(|byte| *byte == b'\n').filter(|line| !line.is_empty()).count()
     }
 
     fn submit(&mut self, now: Instant) -> std::io::Result<()> {
-        self.asked += 1;
+        self.counted.asked += 1;
         // Workers of an earlier coordinator may still be connected: their names are those of another process.
-        let worker = format!("{NAME}{}-{}", std::process::id(), self.asked);
+        let worker = format!("{NAME}{}-{}", std::process::id(), self.counted.asked);
         let mut process = self
             .shell(self.settings.system.submit())
             .env("WORKER_NAME", &worker)
@@ -193,15 +181,8 @@ impl Jobs {
     /// What was asked for so far.
     pub(super) fn status(&self) -> ScaleStatus {
         let running = self.jobs.iter().filter(|job| job.connected).count();
-        ScaleStatus {
-            system: self.settings.system.to_string(),
-            most: self.settings.most as u64,
-            asked: self.asked,
-            waiting: (self.jobs.len() - running) as u64,
-            running: (running + self.inherited) as u64,
-            failed: self.failed,
-            last_failure: self.last_failure.clone(),
-        }
+        let (waiting, running) = (self.jobs.len() - running, running + self.inherited);
+        ScaleStatus { waiting: waiting as u64, running: running as u64, ..self.counted.clone() }
     }
 
     /// Withdraws the jobs that wait, and ends the processes of all.
@@ -267,7 +248,7 @@ mod tests {
         jobs.observe(now, [(first.as_str(), 16), ("job-9", 4), ("host", 8)].into_iter());
         let ScaleStatus { asked, waiting, running, failed, .. } = jobs.status();
         // One of them runs, as does one that an earlier coordinator asked for, which takes the place of another.
-        assert_eq!((asked, waiting, running, failed, jobs.slots_per_job()), (3, 2, 2, 0, Some(16)));
+        assert_eq!((asked, waiting, running, failed, jobs.slots_per_job), (3, 2, 2, 0, Some(16)));
         jobs.close();
         for id in ids {
             let group = Pid::from_raw(i32::try_from(id).unwrap()).unwrap();
@@ -281,7 +262,7 @@ mod tests {
         let mut now = Instant::now();
         jobs.ask(now, 2);
         until_ended(&mut jobs, &[]);
-        assert_eq!((jobs.failed, jobs.last_failure.as_str()), (2, "no such partition"));
+        assert_eq!((jobs.counted.failed, jobs.counted.last_failure.as_str()), (2, "no such partition"));
         jobs.ask(now, 2);
         assert_eq!(jobs.jobs.len(), 0, "not at once");
         for pause in [25, 45, 85] {
@@ -302,7 +283,7 @@ mod tests {
         until_ended(&mut jobs, &[(first.as_str(), 2)]);
         jobs.observe(Instant::now(), std::iter::empty());
         jobs.ask(Instant::now(), 1);
-        assert_eq!((jobs.asked, jobs.failed), (2, 0));
+        assert_eq!((jobs.counted.asked, jobs.counted.failed), (2, 0));
         jobs.close();
     }
 }

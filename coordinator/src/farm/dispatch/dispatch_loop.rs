@@ -1,18 +1,18 @@
 //! The thread between transport and scheduler: passes messages to the scheduler as events and executes its actions.
 
-use super::announcements::Announcements;
+use super::backpressure::Announcements;
 use super::backpressure::Backpressure;
 use super::scheduler::{Action, Assignment, Event, Scheduler, SchedulerSettings, Token};
 use super::status_board::StatusBoard;
 use super::throughput::Throughput;
-use super::transport::{Incoming, IncomingQuery, Transport};
+use super::transport::{Incoming, IncomingQuery, Outgoing, Transport};
 use super::warn::warn;
 use crate::farm::evaluate::{Finished, Request};
 use common::build::Build;
 use common::evaluation_shape::EvaluationShape;
 use common::failure::SimulationFailure;
 use common::wire::{
-    self, Claim, Next, Notice, Outcome, Refused, Reply, Status, WireError, WorkOrder, WorkerId,
+    self, Claim, Message, Next, Notice, Outcome, Refused, Reply, Status, WireError, WorkOrder, WorkerId,
 };
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
@@ -46,19 +46,8 @@ pub(super) enum Input {
     Close,
 }
 
-/// Output of the dispatch loop for the study.
-#[derive(Debug)]
-pub(super) enum Delivery {
-    /// An outcome to record.
-    Outcome(Box<Finished>),
-    /// The evaluation was given up.
-    GivenUp {
-        /// Number of the evaluation.
-        task: u64,
-        /// Reason for the user.
-        reason: String,
-    },
-}
+/// Output of the dispatch loop for the study: an outcome to record, or the number of an evaluation that was given up with the reason.
+pub(super) type Delivery = Result<Box<Finished>, (u64, String)>;
 
 /// A connected worker.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -198,9 +187,7 @@ impl DispatchLoop {
                 self.deliveries = Some(deliveries);
                 self.event(Event::Submit(requests));
             }
-            Input::Recorded(tasks) => {
-                tasks.into_iter().for_each(|task| self.event(Event::Recorded { task }));
-            }
+            Input::Recorded(tasks) => tasks.into_iter().for_each(|task| self.event(Event::Recorded(task))),
             Input::Cancel => {
                 self.deliveries = None;
                 self.event(Event::Cancel);
@@ -223,10 +210,10 @@ impl DispatchLoop {
         }
         match incoming {
             Incoming::Claim(query) => self.handle_claim(query),
-            Incoming::StatusQuery(query) => match wire::encode(&self.status()) {
-                Ok(frame) => self.transport.answer_status(query, frame),
-                Err(error) => self.transport.refuse(query, error.to_string()),
-            },
+            Incoming::StatusQuery(query) => {
+                let status = self.status();
+                self.answer(query, &status);
+            }
             Incoming::WorkerJoined(worker) => {
                 tracing::info!("worker {} joined", worker.name);
                 self.event(Event::WorkerJoined(worker));
@@ -240,7 +227,7 @@ impl DispatchLoop {
 
     fn status(&mut self) -> Status {
         let now = self.started.elapsed();
-        let farm = self.throughput.status(now, self.scheduler.snapshot());
+        let farm = self.throughput.count_in(now, self.scheduler.status());
         self.board.status(farm, now)
     }
 
@@ -251,7 +238,7 @@ impl DispatchLoop {
                 let token = self.next_token;
                 self.next_token += 1;
                 self.unanswered.insert(token, query);
-                self.event(Event::Claimed { token, claim });
+                self.event(Event::Claimed(token, claim));
             }
             Err(WireError::OtherVersion { theirs, ours }) => {
                 let name = query.name();
@@ -268,7 +255,7 @@ impl DispatchLoop {
                 if let Some(count) = self.malformed.count() {
                     tracing::warn!("a claim of worker {} is refused ({count} so far): {error}", query.name());
                 }
-                self.transport.refuse(query, error.to_string());
+                self.transport.post(Outgoing::Refusal(query, error.to_string()));
             }
         }
     }
@@ -296,10 +283,10 @@ impl DispatchLoop {
         match action {
             Action::Deliver(finished) => {
                 self.throughput.count(self.started.elapsed(), &finished.worker);
-                self.deliver(Delivery::Outcome(finished));
+                self.deliver(Ok(finished));
             }
-            Action::GiveUp { task, reason } => self.deliver(Delivery::GivenUp { task, reason }),
-            Action::Reply { token, acknowledged, assignment } => {
+            Action::GiveUp(task, reason) => self.deliver(Err((task, reason))),
+            Action::Reply(token, acknowledged, assignment) => {
                 let Some(query) = self.unanswered.remove(&token) else { return };
                 let next = match assignment {
                     Assignment::Work(tasks) => Next::Work(WorkOrder { tasks, ..self.order.clone() }),
@@ -321,12 +308,12 @@ impl DispatchLoop {
         }
     }
 
-    fn answer(&self, query: IncomingQuery, reply: &Reply) {
+    fn answer(&self, query: IncomingQuery, reply: &impl Message) {
         match wire::encode(reply) {
-            Ok(frame) => self.transport.answer(query, frame),
+            Ok(frame) => self.transport.post(Outgoing::Answer(query, frame)),
             Err(error) => {
                 tracing::error!("a reply cannot be encoded: {error}");
-                self.transport.refuse(query, error.to_string());
+                self.transport.post(Outgoing::Refusal(query, error.to_string()));
             }
         }
     }
@@ -344,7 +331,7 @@ impl DispatchLoop {
 
     fn publish(&self, notice: &Notice) {
         match wire::encode(notice) {
-            Ok(frame) => self.transport.publish(frame),
+            Ok(frame) => self.transport.post(Outgoing::Notice(frame)),
             Err(error) => tracing::error!("a notice cannot be encoded: {error}"),
         }
     }

@@ -1,11 +1,11 @@
 //! Evaluator that dispatches requests to workers over Zenoh.
 
-use super::DispatchError;
 use super::backpressure::Backpressure;
-use super::dispatch_loop::{ConnectedWorker, ConnectedWorkers, Delivery, DispatchLoop, Input};
+use super::dispatch_loop::{ConnectedWorker, ConnectedWorkers, DispatchLoop, Input};
 use super::scheduler::{CrossCheck, LICENCE_HOLD, SchedulerSettings};
 use super::status_board::StatusBoard;
 use super::transport::{Listen, Transport};
+use super::{DispatchError, MAX_SCENE};
 use crate::farm::evaluate::{EvaluateError, Evaluator, POLL_INTERVAL, PendingRequests, RequestSource};
 use common::accuracy::Accuracy;
 use common::build::Build;
@@ -28,8 +28,6 @@ const MOST_TOGETHER: usize = 256;
 const SETTLE: Duration = Duration::from_secs(1);
 /// Times that a worker may run a program for one evaluation.
 const TRIES: u32 = 3;
-/// Largest scene text [bytes]: every reply with tasks carries it.
-const MAX_SCENE: usize = 4 << 20;
 
 /// What workers need to know of a campaign.
 #[derive(Debug, Clone, PartialEq)]
@@ -104,7 +102,7 @@ impl ZenohEvaluator {
             campaign;
         let settings = SchedulerSettings { settle, build, cross_check, ..settings(id, simulator.as_ref()) };
         if scene.len() > MAX_SCENE {
-            return Err(DispatchError::SceneTooLarge { bytes: scene.len(), limit: MAX_SCENE });
+            return Err(DispatchError::SceneTooLarge(scene.len()));
         }
         let subject =
             simulator.map_or_else(|| Subject::Scene(scene), |simulator| Subject::Simulator(simulator.id));
@@ -121,7 +119,7 @@ impl ZenohEvaluator {
                 let _ = to_loop.send(Input::Transport(incoming));
             }
         })?;
-        let endpoints = transport.endpoints().to_vec();
+        let endpoints = transport.endpoints.clone();
         let connected = Arc::new(ConnectedWorkers::default());
         let board = StatusBoard::default();
         let dispatch_loop = DispatchLoop::new(
@@ -208,43 +206,37 @@ impl ZenohEvaluator {
                 open.extend(requests.iter().map(|request| request.id));
                 self.send(Input::Submit(requests, sender.clone()))?;
             }
-            if open.is_empty() && pending.is_exhausted() {
+            if open.is_empty() && pending.exhausted {
                 return given_up.map_or(Ok(()), Err);
             }
             let stopping = self.interrupted.load(Ordering::Relaxed);
             // Outcomes that have arrived before the stop are still recorded.
+            let is_running = || self.dispatch_thread.as_ref().is_some_and(|thread| !thread.is_finished());
             let next = if stopping {
                 deliveries.try_recv().map_err(|_| EvaluateError::Interrupted)
             } else {
                 match deliveries.recv_timeout(POLL_INTERVAL) {
-                    Ok(delivery) => Ok(delivery),
-                    Err(RecvTimeoutError::Timeout)
-                        if self.dispatch_thread.as_ref().is_some_and(|d| !d.is_finished()) =>
-                    {
-                        continue;
-                    }
-                    Err(_) => Err(loop_ended()),
+                    Err(RecvTimeoutError::Timeout) if is_running() => continue,
+                    received => received.map_err(|_| loop_ended()),
                 }
             };
             // All outcomes received so far are recorded together: one disk flush serves them all.
             let mut arrived = Vec::new();
             for delivery in std::iter::once(next?).chain(deliveries.try_iter()).take(MOST_TOGETHER) {
                 match delivery {
-                    Delivery::Outcome(finished) => arrived.push(*finished),
-                    Delivery::GivenUp { task, reason } => {
+                    Ok(finished) => arrived.push(*finished),
+                    Err((task, reason)) => {
                         open.remove(&task);
-                        given_up.get_or_insert(EvaluateError::GivenUp { id: task, reason });
+                        given_up.get_or_insert(EvaluateError::GivenUp(task, reason));
                         // The run ends with this error, so no further request is started.
-                        pending.close();
+                        pending.exhausted = true;
                     }
                 }
             }
             if !arrived.is_empty() {
                 let ids: Vec<u64> = arrived.iter().map(|finished| finished.id).collect();
                 source.record_all(arrived)?;
-                for id in &ids {
-                    open.remove(id);
-                }
+                ids.iter().for_each(|id| _ = open.remove(id));
                 self.send(Input::Recorded(ids))?;
             }
         }

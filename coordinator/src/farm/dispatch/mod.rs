@@ -9,7 +9,6 @@
 //! that uses Zenoh. `dispatch_loop` is the thread that connects them. The caller needs no tokio runtime; if it has one,
 //! it must be multi-threaded (a condition of Zenoh).
 
-mod announcements;
 mod backpressure;
 mod dispatch_loop;
 mod evaluator;
@@ -29,45 +28,28 @@ use common::wire::WireError;
 use std::path::PathBuf;
 use thiserror::Error;
 
+/// Largest scene text [bytes]: every reply with tasks carries it.
+const MAX_SCENE: usize = 4 << 20;
+
 /// Reasons why the coordinator cannot accept workers.
 #[derive(Debug, Error)]
 pub enum DispatchError {
     /// Other machines can reach the address, and clients are not authenticated.
     #[error(
-        "--listen {endpoint}: other machines can reach this address, and clients are not authenticated; allowed are a \
+        "--listen {0}: other machines can reach this address, and clients are not authenticated; allowed are a \
          loopback address (tcp/127.0.0.1:PORT), tls/ with a Zenoh configuration that authenticates clients \
          (enable_mtls, or a usrpwd dictionary), or --insecure if the network is trusted"
     )]
-    Insecure {
-        /// Endpoint to listen on.
-        endpoint: String,
-    },
-    /// The text is not an endpoint, or the system cannot listen on it.
-    #[error(
-        "--listen {endpoint}: {reason}; expected a free address of this machine, e.g. tcp/127.0.0.1:7447"
-    )]
-    Endpoint {
-        /// Endpoint to listen on.
-        endpoint: String,
-        /// What is wrong with it.
-        reason: String,
-    },
-    /// The Zenoh configuration cannot be used.
-    #[error("Zenoh configuration {}: {reason}", file.display())]
-    Configuration {
-        /// Path of the configuration file.
-        file: PathBuf,
-        /// Error of Zenoh.
-        reason: String,
-    },
-    /// The scene is too large for a message.
-    #[error("the scene has {bytes} bytes; a message allows {limit}")]
-    SceneTooLarge {
-        /// Size of the scene's text [bytes].
-        bytes: usize,
-        /// Largest size [bytes].
-        limit: usize,
-    },
+    Insecure(String),
+    /// The text is not an endpoint, or the system cannot listen on it; with what is wrong with it.
+    #[error("--listen {0}: {1}; expected a free address of this machine, e.g. tcp/127.0.0.1:7447")]
+    Endpoint(String, String),
+    /// The Zenoh configuration of this file cannot be used; with the error of Zenoh.
+    #[error("Zenoh configuration {file}: {1}", file = .0.display())]
+    Configuration(PathBuf, String),
+    /// The scene's text of this size [bytes] is too large for a message.
+    #[error("the scene has {0} bytes; a message allows {limit}", limit = MAX_SCENE)]
+    SceneTooLarge(usize),
     /// The settings of the campaign cannot be encoded.
     #[error("the campaign cannot be sent to workers: {0}")]
     Wire(#[from] WireError),

@@ -1,7 +1,6 @@
 //! Evaluations and rate of each worker, for display only; no decision depends on them.
 
-use super::scheduler::FarmSnapshot;
-use common::wire::{FarmStatus, WorkerStatus};
+use common::wire::FarmStatus;
 use std::collections::BTreeMap;
 use std::time::Duration;
 
@@ -22,30 +21,23 @@ impl Throughput {
     pub fn count(&mut self, now: Duration, slot: &str) {
         let name = slot.rsplit_once('/').map_or(slot, |(worker, _)| worker);
         self.all.count(now);
-        let (done, rate) = match self.workers.get_mut(name) {
-            Some(known) => known,
-            None => self.workers.entry(name.to_owned()).or_default(),
-        };
+        let (done, rate) = self.workers.entry(name.to_owned()).or_default();
         *done += 1;
         rate.count(now);
     }
 
-    /// Status of the workers in `snapshot`.
-    pub fn status(&mut self, now: Duration, snapshot: FarmSnapshot) -> FarmStatus {
+    /// Adds what was counted to the status of a farm.
+    pub fn count_in(&mut self, now: Duration, mut farm: FarmStatus) -> FarmStatus {
         if self.workers.len() > MOST_REMEMBERED {
-            self.workers.retain(|name, _| snapshot.workers.iter().any(|(connected, _, _)| connected == name));
+            self.workers.retain(|name, _| farm.workers.iter().any(|connected| connected.name == *name));
         }
-        let worker = |(name, slots, leases): (String, u32, usize)| {
-            let (done, rate) =
-                self.workers.get(&name).map_or((0, 0.0), |(done, rate)| (*done, rate.per_second(now)));
-            WorkerStatus { name, slots, under_way: u32::try_from(leases).unwrap_or(u32::MAX), done, rate }
-        };
-        FarmStatus {
-            queued: snapshot.queued as u64,
-            under_way: snapshot.open.saturating_sub(snapshot.queued) as u64,
-            rate: self.all.per_second(now),
-            workers: snapshot.workers.into_iter().map(worker).collect(),
+        farm.rate = self.all.per_second(now);
+        for worker in &mut farm.workers {
+            if let Some((done, rate)) = self.workers.get(&worker.name) {
+                (worker.done, worker.rate) = (*done, rate.per_second(now));
+            }
         }
+        farm
     }
 }
 
@@ -78,9 +70,8 @@ impl Rate {
     fn per_second(&self, now: Duration) -> f64 {
         let Some(first) = self.first else { return 0.0 };
         let from = (now.as_secs() + 1).saturating_sub(WINDOW);
-        let recent =
-            self.seconds.iter().filter(|(second, _)| *second >= from).map(|(_, count)| u64::from(*count));
-        let events: u64 = recent.sum();
+        let recent = self.seconds.iter().filter(|(second, _)| *second >= from);
+        let events: u64 = recent.map(|(_, count)| u64::from(*count)).sum();
         events as f64 / now.saturating_sub(first).as_secs_f64().clamp(1.0, WINDOW as f64)
     }
 }
@@ -88,6 +79,7 @@ impl Rate {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use common::wire::WorkerStatus;
 
     #[test]
     fn rates_are_those_of_the_last_minute() {
@@ -95,20 +87,22 @@ mod tests {
         let mut throughput = Throughput::default();
         // Two a second for 100 s, then nothing.
         (0..200).for_each(|k| throughput.count(at(500 * k), "host-1/0"));
-        let snapshot = || FarmSnapshot {
+        let named = |name: &str| WorkerStatus { name: name.into(), ..WorkerStatus::default() };
+        let snapshot = || FarmStatus {
+            workers: vec![named("host-1"), named("new")],
             queued: 3,
-            open: 5,
-            workers: vec![("host-1".into(), 2, 2), ("new".into(), 1, 0)],
+            under_way: 2,
+            ..FarmStatus::default()
         };
-        let now = throughput.status(at(99_900), snapshot());
+        let now = throughput.count_in(at(99_900), snapshot());
         assert!((now.rate - 2.0).abs() < 0.05, "{}", now.rate);
         assert_eq!((now.queued, now.under_way, now.workers[0].done), (3, 2, 200));
         assert_eq!((now.workers[1].done, now.workers[1].rate), (0, 0.0));
-        assert!((throughput.status(at(130_000), snapshot()).rate - 1.0).abs() < 0.05);
-        assert_eq!(throughput.status(at(170_000), snapshot()).rate, 0.0);
+        assert!((throughput.count_in(at(130_000), snapshot()).rate - 1.0).abs() < 0.05);
+        assert_eq!(throughput.count_in(at(170_000), snapshot()).rate, 0.0);
         // A farm younger than the window is measured since its first outcome.
         let mut young = Throughput::default();
         (0..10).for_each(|k| young.count(at(500 * k), "host-1/0"));
-        assert!((young.status(at(5000), snapshot()).rate - 2.0).abs() < 0.01);
+        assert!((young.count_in(at(5000), snapshot()).rate - 2.0).abs() < 0.01);
     }
 }

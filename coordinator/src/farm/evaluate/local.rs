@@ -20,10 +20,7 @@ pub struct LocalEvaluator<F> {
     interrupted: Arc<AtomicBool>,
 }
 
-impl<F> LocalEvaluator<F>
-where
-    F: Fn(&Request) -> EvaluationResult + Sync,
-{
+impl<F: Fn(&Request) -> EvaluationResult + Sync> LocalEvaluator<F> {
     /// An evaluator that calls `simulate` on `threads` threads (at least one).
     pub fn new(threads: usize, simulate: F) -> Self {
         Self { simulate, threads: threads.max(1), interrupted: Arc::default() }
@@ -35,10 +32,7 @@ where
     }
 }
 
-impl<F> Evaluator for LocalEvaluator<F>
-where
-    F: Fn(&Request) -> EvaluationResult + Sync,
-{
+impl<F: Fn(&Request) -> EvaluationResult + Sync> Evaluator for LocalEvaluator<F> {
     fn run(&mut self, source: &mut dyn RequestSource) -> Result<(), EvaluateError> {
         let simulate = &self.simulate;
         let threads = (0..self.threads).map(|thread| {
@@ -76,11 +70,10 @@ where
                     && let Some(request) = queue.take()
                 {
                     let started = Instant::now();
-                    let finished = evaluate(&request, stop).map(|(outcome, worker)| {
-                        let wall = started.elapsed().as_secs_f64();
-                        Finished { id: request.id, outcome, worker, wall }
-                    });
-                    if sender.send(finished).is_err() {
+                    let evaluated = evaluate(&request, stop);
+                    let wall = started.elapsed().as_secs_f64();
+                    let finished = |(outcome, worker)| Finished { id: request.id, outcome, worker, wall };
+                    if sender.send(evaluated.map(finished)).is_err() {
                         return;
                     }
                 }
@@ -145,7 +138,7 @@ fn collect(
         let requests = pending.drain(source)?;
         open += requests.len();
         queue.add(requests);
-        if open == 0 && pending.is_exhausted() {
+        if open == 0 && pending.exhausted {
             return Ok(());
         }
         if stop.is_set() {

@@ -1,7 +1,6 @@
 //! The interface between a study and what evaluates its samples: threads of this process, workers over Zenoh, an
 //! external program, or a model server.
 
-pub mod agreement;
 pub mod external;
 pub mod local;
 
@@ -64,32 +63,21 @@ pub enum EvaluateError {
     #[error("interrupted")]
     Interrupted,
     /// An evaluation was tried the allowed number of times without an outcome: an infrastructure failure, or a
-    /// sample that crashes its worker.
-    #[error("evaluation {id} was given up: {reason}")]
-    GivenUp {
-        /// Number of the evaluation.
-        id: u64,
-        /// Number of attempts and how they ended.
-        reason: String,
-    },
+    /// sample that crashes its worker. Its number, and the number of attempts and how they ended.
+    #[error("evaluation {0} was given up: {1}")]
+    GivenUp(u64, String),
     /// The operating system cannot start a thread.
     #[error("cannot start a thread: {0}")]
     Thread(std::io::Error),
     /// A thread that evaluates or dispatches requests has ended without reporting why: a defect of the program.
     #[error("{0} has ended unexpectedly")]
     ThreadEnded(&'static str),
-    /// The evaluator returned an outcome that was not requested.
-    #[error("evaluation {id} was not requested")]
-    UnrequestedOutcome {
-        /// Number of the evaluation.
-        id: u64,
-    },
-    /// The evaluator ended without an outcome of a request.
-    #[error("evaluation {id} has no outcome")]
-    NoOutcome {
-        /// Number of the evaluation.
-        id: u64,
-    },
+    /// The evaluator returned an outcome of this number that was not requested.
+    #[error("evaluation {0} was not requested")]
+    UnrequestedOutcome(u64),
+    /// The evaluator ended without an outcome of the request of this number.
+    #[error("evaluation {0} has no outcome")]
+    NoOutcome(u64),
     /// The simulator named by the scene cannot be used.
     #[error(transparent)]
     Simulator(#[from] SimulatorError),
@@ -184,7 +172,7 @@ pub trait Evaluator {
         let end = self.evaluate(batch, &mut |finished: Finished| {
             let place = usize::try_from(finished.id.wrapping_sub(first)).ok();
             let Some(place) = place.and_then(|place| found.get_mut(place)) else {
-                return Err(EvaluateError::UnrequestedOutcome { id: finished.id });
+                return Err(EvaluateError::UnrequestedOutcome(finished.id));
             };
             progress(&finished);
             *place = Some(finished);
@@ -213,7 +201,8 @@ impl RequestSource for Batch<'_> {
 /// Drains the requests currently available from a source.
 #[derive(Debug, Default)]
 pub(crate) struct PendingRequests {
-    exhausted: bool,
+    /// True if no further requests are asked for.
+    pub exhausted: bool,
 }
 
 impl PendingRequests {
@@ -229,14 +218,25 @@ impl PendingRequests {
         }
         Ok(all)
     }
+}
 
-    /// Stops asking the source for requests.
-    pub fn close(&mut self) {
-        self.exhausted = true;
-    }
+/// Difference of results of external simulators beyond their stated errors that counts as none, relative to the values [1].
+const SAME: f64 = 1e-9;
 
-    /// True if no further requests will be returned.
-    pub fn is_exhausted(&self) -> bool {
-        self.exhausted
+/// Histories of an evaluation and their stated errors, both `(outputs)(m,)` [unit of the output]; without stated errors the latter are empty.
+pub type HistoriesWithErrors<'a> = (&'a [Vec<f64>], &'a [Vec<f64>]);
+
+/// True if two evaluations agree: to the last bit if results are `exact`, as those of the built-in simulator are, otherwise within the sum
+/// of their stated errors and 1e-9 of the larger value.
+pub fn agree(one: HistoriesWithErrors<'_>, other: HistoriesWithErrors<'_>, exact: bool) -> bool {
+    if exact {
+        return one == other;
     }
+    let error =
+        |of: &[Vec<f64>], k: usize, j: usize| of.get(k).and_then(|e| e.get(j)).copied().unwrap_or(0.0);
+    one.0.iter().zip(other.0).enumerate().all(|(k, (a, b))| {
+        a.iter().zip(b).enumerate().all(|(j, (a, b))| {
+            (a - b).abs() <= error(one.1, k, j) + error(other.1, k, j) + SAME * a.abs().max(b.abs())
+        })
+    })
 }

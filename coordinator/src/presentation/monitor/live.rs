@@ -152,8 +152,7 @@ impl LivePage {
         let begun = Instant::now();
         let (html, holds_report) = self.page(revision);
         let interval = SHORTEST_INTERVAL.max(begun.elapsed() * INTERVAL_FACTOR);
-        let reused = if holds_report { interval } else { PAGE_INTERVAL };
-        let until = Instant::now() + reused;
+        let until = Instant::now() + if holds_report { interval } else { PAGE_INTERVAL };
         *cached = Some(CachedPage { html: html.clone(), revision, until, holds_report });
         html
     }
@@ -205,9 +204,8 @@ impl LivePage {
             return Duration::ZERO;
         }
         let cached = self.cached.lock().unwrap_or_else(PoisonError::into_inner);
-        cached
-            .as_ref()
-            .map_or(Duration::ZERO, |cached| cached.until.saturating_duration_since(Instant::now()))
+        let until = cached.as_ref().map(|cached| cached.until.saturating_duration_since(Instant::now()));
+        until.unwrap_or_default()
     }
 
     /// The page, and true if it contains a report.
@@ -216,11 +214,10 @@ impl LivePage {
             let observed = self.observed();
             (self.summary(&observed), line(&observed), observed.ended, observed.study.clone())
         };
-        let report = match summary {
-            None => Err("No reliability is available before the first round of learning.".to_owned()),
-            // At the end the file contains the summary.
-            Some(summary) => self.report((!ended).then_some(&summary)).map_err(|error| error.to_string()),
-        };
+        let none = || "No reliability is available before the first round of learning.".to_owned();
+        // At the end the file contains the summary.
+        let report = |summary| self.report((!ended).then_some(&summary)).map_err(|error| error.to_string());
+        let report = summary.ok_or_else(none).and_then(report);
         let holds_report = report.is_ok();
         // An error of the file is shown and may be gone at the next request.
         let page = report.unwrap_or_else(|reason| self.before_results(&reason));
@@ -232,11 +229,7 @@ impl LivePage {
                 script src="/live.js" defer {}
             },
             line: html! { p id="live" role="status" { (line) } },
-            progress: if ended {
-                html! {}
-            } else {
-                study_section(&study, self.status.status().as_ref())
-            },
+            progress: html! { @if !ended { (study_section(&study, self.status.status().as_ref())) } },
         };
         (page.html(Some(&status)), holds_report)
     }
@@ -294,7 +287,7 @@ impl LivePage {
         if let Some(summary) = summary {
             copy.put_document(SUMMARY_DOCUMENT, summary)?;
         }
-        let missing = || StoreError::NoCampaign { dir: self.dir.clone() };
+        let missing = || StoreError::NoCampaign(self.dir.clone());
         let input = ReportInput::from_campaign(&copy, &self.scene)?.ok_or_else(missing)?;
         Ok(report::render(&input, FigureFiles::Absent))
     }

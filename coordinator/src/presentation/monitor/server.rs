@@ -126,15 +126,14 @@ fn html(text: String, policy: &'static str) -> Response {
 
 /// A figure beside the report, as SVG or CSV.
 async fn figure(State(live): State<Arc<LivePage>>, Path(name): Path<String>) -> Result<Response, StatusCode> {
+    // No path leads out of the folder.
+    let is_name =
+        name.chars().all(|c| c.is_ascii_alphanumeric() || "-_.".contains(c)) && !name.starts_with('.');
     let kind = match name.rsplit_once('.') {
-        Some((_, "svg")) => "image/svg+xml",
-        Some((_, "csv")) => "text/csv; charset=utf-8",
+        Some((_, "svg")) if is_name => "image/svg+xml",
+        Some((_, "csv")) if is_name => "text/csv; charset=utf-8",
         _ => return Err(StatusCode::NOT_FOUND),
     };
-    // No path leads out of the folder.
-    if !name.chars().all(|c| c.is_ascii_alphanumeric() || "-_.".contains(c)) || name.starts_with('.') {
-        return Err(StatusCode::NOT_FOUND);
-    }
     let text = file(live, format!("figures/{name}")).await?;
     Ok(([(header::CONTENT_TYPE, HeaderValue::from_static(kind))], text).into_response())
 }

@@ -95,22 +95,15 @@ impl StatusSource {
             StatusSource::Farm(dispatcher) => dispatcher.status(STATUS_TIMEOUT),
             StatusSource::Alone { board, slots, since } => {
                 let up = since.elapsed();
-                let mut status = board.status(FarmStatus::default(), up);
-                let StudyStatus { done, recalled, planned, .. } = status.study;
-                let under_way = planned.saturating_sub(done);
-                let rate = done.saturating_sub(recalled) as f64 / up.as_secs_f64().max(1.0);
-                let worker = WorkerStatus {
-                    name: "this-process".to_owned(),
-                    slots: *slots,
-                    under_way: u32::try_from(under_way).unwrap_or(u32::MAX).min(*slots),
-                    done: done.saturating_sub(recalled),
-                    rate,
-                };
-                let running = u64::from(worker.under_way);
-                let queued = under_way - running;
-                status =
-                    board.status(FarmStatus { queued, under_way: running, rate, workers: vec![worker] }, up);
-                Some(status)
+                let StudyStatus { done, recalled, planned, .. } =
+                    board.status(FarmStatus::default(), up).study;
+                let (open, simulated) = (planned.saturating_sub(done), done.saturating_sub(recalled));
+                let rate = simulated as f64 / up.as_secs_f64().max(1.0);
+                let (name, slots) = ("this-process".to_owned(), *slots);
+                let under_way = u32::try_from(open).unwrap_or(u32::MAX).min(slots);
+                let workers = vec![WorkerStatus { name, slots, under_way, done: simulated, rate }];
+                let under_way = u64::from(under_way);
+                Some(board.status(FarmStatus { queued: open - under_way, under_way, rate, workers }, up))
             }
         }
     }
@@ -124,27 +117,17 @@ pub fn status_text(status: &Status) -> String {
     text.replace('\u{a0}', " ")
 }
 
-/// Name of a phase.
-fn phase_name(phase: Phase) -> &'static str {
-    match phase {
+fn write_status(text: &mut String, status: &Status) -> std::fmt::Result {
+    let (study, farm) = (&status.study, &status.farm);
+    let [scene, purpose] = [&study.scene, &study.purpose].map(|text| printable(text));
+    let purpose = if purpose.is_empty() { purpose } else { format!(", {purpose}") };
+    let phase = match status.phase {
         Phase::Waiting => "waiting for workers",
         Phase::Simulating => "simulating",
         Phase::Learning => "learning, no simulation is running",
         Phase::Ending => "all evaluations done, computing the results",
-    }
-}
-
-fn write_status(text: &mut String, status: &Status) -> std::fmt::Result {
-    let (study, farm) = (&status.study, &status.farm);
-    let purpose =
-        if study.purpose.is_empty() { String::new() } else { format!(", {}", printable(&study.purpose)) };
-    writeln!(
-        text,
-        "{}{purpose}: {} (for {})",
-        printable(&study.scene),
-        phase_name(status.phase),
-        duration(status.up)
-    )?;
+    };
+    writeln!(text, "{scene}{purpose}: {phase} (for {})", duration(status.up))?;
     write!(text, "evaluations: {} of {} planned", count(study.done), count(study.planned))?;
     if study.budget > 0 {
         write!(text, ", budget {}", count(study.budget))?;
@@ -163,12 +146,8 @@ fn write_status(text: &mut String, status: &Status) -> std::fmt::Result {
         writeln!(text, "rate: {} in the last minute{remaining}", per_second(farm.rate))?;
     }
     if let Some(so_far) = &study.reliability {
-        writeln!(
-            text,
-            "reliability so far: {}, after {} rounds",
-            reliability_so_far(so_far.cycles, so_far.total, so_far.standard_error),
-            count(study.rounds)
-        )?;
+        let so_far = reliability_so_far(so_far.cycles, so_far.total, so_far.standard_error);
+        writeln!(text, "reliability so far: {so_far}, after {} rounds", count(study.rounds))?;
     }
     if let Some(scale) = &status.scale {
         writeln!(text, "{}", printable(&scale_sentence(scale)))?;

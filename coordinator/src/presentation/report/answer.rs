@@ -4,7 +4,7 @@ use super::figures::compared;
 use super::page::{self, wrapped};
 use super::{ComparedStudy, Figure, table};
 use super::{ReportError, write_figures};
-use crate::presentation::format::in_columns;
+use crate::presentation::format::{in_columns, joined};
 use crate::results::result_files::{create_folder, write_text};
 use maud::{Markup, html};
 use std::path::{Path, PathBuf};
@@ -83,11 +83,11 @@ impl Table {
     /// The table as text in columns.
     fn in_columns(&self) -> String {
         let head = Some(&self.head).filter(|head| !head.is_empty());
-        let (rows, note) = match &self.shown {
+        let (rows, note): (Vec<_>, _) = match &self.shown {
             None => (self.rows.iter().collect(), String::new()),
             Some((shown, note)) => (shown.iter().map(|k| &self.rows[*k]).collect(), format!("{note}\n")),
         };
-        let all: Vec<Vec<String>> = head.into_iter().chain::<Vec<_>>(rows).cloned().collect();
+        let all: Vec<Vec<String>> = head.into_iter().chain(rows).cloned().collect();
         let heading = if self.heading.is_empty() { String::new() } else { format!("{}\n", self.heading) };
         format!("{heading}{}{note}", in_columns(&all, self.left))
     }
@@ -104,10 +104,7 @@ impl Table {
     }
 
     fn html(&self) -> Markup {
-        html! {
-            @if !self.heading.is_empty() { h2 { (self.heading) } }
-            (table(&self.head, &self.rows))
-        }
+        html! { @if !self.heading.is_empty() { h2 { (self.heading) } } (table(&self.head, &self.rows)) }
     }
 }
 
@@ -117,20 +114,24 @@ impl Answer {
         if self.prints_markdown {
             return self.markdown();
         }
-        let part = |part: &AnswerPart| match part {
+        let text = self.joined(&self.title, |part| match part {
             AnswerPart::Text(text) => Some(format!("{}\n", text.replace("**", ""))),
             AnswerPart::Table(table) => Some(table.in_columns()),
             AnswerPart::Notes(_, notes) => Some(notes.iter().map(|note| format!("{note}\n")).collect()),
             AnswerPart::Figures => None,
-        };
-        let title = format!("{}\n", self.title);
-        let parts: Vec<String> = std::iter::once(title).chain(self.parts.iter().filter_map(part)).collect();
-        parts.join("\n").replace('\u{a0}', " ")
+        });
+        text.replace('\u{a0}', " ")
+    }
+
+    /// Title and parts with empty lines between them.
+    fn joined(&self, title: &str, part: impl Fn(&AnswerPart) -> Option<String>) -> String {
+        let title = std::iter::once(format!("{title}\n"));
+        joined(title.chain(self.parts.iter().filter_map(part)), "\n")
     }
 
     /// The answer as Markdown.
     pub fn markdown(&self) -> String {
-        let part = |part: &AnswerPart| match part {
+        self.joined(&format!("# {}", self.title), |part| match part {
             AnswerPart::Text(text) => Some(format!("{text}\n")),
             AnswerPart::Table(table) => Some(table.in_markdown()),
             AnswerPart::Notes(heading, notes) => {
@@ -138,10 +139,7 @@ impl Answer {
                 Some(format!("## {heading}\n\n{notes}"))
             }
             AnswerPart::Figures => None,
-        };
-        let title = format!("# {}\n", self.title);
-        let parts: Vec<String> = std::iter::once(title).chain(self.parts.iter().filter_map(part)).collect();
-        parts.join("\n")
+        })
     }
 
     /// The figures of the page: its own, and the curves of every limit state and of the system.

@@ -73,7 +73,8 @@ impl Bars<'_> {
         let meaning =
             |bar: usize| Series::new(self.labels[bar], inks[bar], Shape::Steps(vec![])).filled(0.75);
         let (range, legend) = (if self.signed { -longest } else { 0.0 }..longest, &[0, 1].map(meaning));
-        let chart = NamedRows { names: &names, row: ROW, legend, axis: self.axis, range, ticks: 6 };
+        let chart =
+            NamedRows { names: &names, row: ROW, legend, axis: self.axis, range: range.clone(), ticks: 6 };
         chart.draw(|chart| {
             for (k, pair) in rows.iter().enumerate() {
                 let top = (rows.len() - k) as f64;
@@ -81,10 +82,8 @@ impl Bars<'_> {
                     let (from, to) = (top - 0.12 - 0.4 * bar as f64, top - 0.46 - 0.4 * bar as f64);
                     let (value, reach) = (pair.values[bar], REACH * pair.errors[bar]);
                     chart.draw_series([Rectangle::new([(0.0, from), (value, to)], ink.rgb().filled())])?;
-                    let ends = [value - reach, value + reach].map(|x| x.clamp(-longest, longest));
-                    let ends = if self.signed { ends } else { ends.map(|x| x.max(0.0)) };
-                    let middle = 0.5 * (from + to);
-                    let line = ends.map(|x| (x, middle)).to_vec();
+                    let ends = [value - reach, value + reach].map(|x| x.clamp(range.start, longest));
+                    let line = ends.map(|x| (x, 0.5 * (from + to)));
                     chart.draw_series([PathElement::new(line, stroke(Ink::Ink, 1.0))])?;
                 }
             }
@@ -97,7 +96,6 @@ impl Bars<'_> {
 
 /// A chart of one row per name, the names on its left, over one horizontal axis.
 pub(super) struct NamedRows<'a> {
-    /// Name of the figure.
     /// Names from top to bottom.
     pub names: &'a [String],
     /// Height of a row [CSS pixels].
@@ -156,10 +154,8 @@ impl NamedRows<'_> {
 
 /// A name cut to what fits, with a mark where something was left out.
 pub(super) fn shortened(name: &str) -> String {
-    if name.chars().count() <= LONGEST {
-        return name.to_string();
-    }
-    name.chars().take(LONGEST - 1).chain(['…']).collect()
+    let cut = || name.chars().take(LONGEST - 1).chain(['…']).collect();
+    if name.chars().count() <= LONGEST { name.to_owned() } else { cut() }
 }
 
 #[cfg(test)]

@@ -27,14 +27,13 @@ pub fn check(studies: &[ComparedStudy]) -> Result<(), Incomparable> {
     if !(2..=SERIES).contains(&studies.len()) {
         return Err(Incomparable(format!("{} studies: a comparison takes 2 to {SERIES}", studies.len())));
     }
-    let states = |study: &ComparedStudy| study.summary.limit_states.iter().cloned().collect::<BTreeSet<_>>();
+    let states = |study: &ComparedStudy| BTreeSet::from_iter(study.summary.limit_states.iter().cloned());
     let cycles =
-        |study: &ComparedStudy| study.summary.reliability.iter().map(|row| row.cycles).collect::<Vec<_>>();
+        |study: &ComparedStudy| Vec::from_iter(study.summary.reliability.iter().map(|row| row.cycles));
     for other in &studies[1..] {
         let both = [&studies[0], other];
         let [first, second] = both.map(|study| &study.name);
-        let [of_first, of_other] = both.map(states);
-        if of_first != of_other {
+        if states(both[0]) != states(both[1]) {
             let [a, b] = both.map(|study| study.summary.limit_states.join(", "));
             return Err(Incomparable(format!(
                 "{first} and {second} have different limit states: {a} against {b}; studies are compared by limit states of the \
@@ -76,11 +75,10 @@ pub fn answer(name: String, studies: Vec<ComparedStudy>, differing: &[(String, V
             first.name
         )));
     }
-    for study in &studies {
-        if let Some(note) = unresolved_fall(&study.summary) {
-            parts.push(AnswerPart::Text(format!("**Caution:** {}: {note}", study.name)));
-        }
-    }
+    parts.extend(studies.iter().filter_map(|study| {
+        let note = unresolved_fall(&study.summary)?;
+        Some(AnswerPart::Text(format!("**Caution:** {}: {note}", study.name)))
+    }));
     parts.push(if differing.is_empty() {
         text("The scenes are the same.")
     } else {
@@ -105,21 +103,21 @@ fn scenes(studies: &[ComparedStudy]) -> BTreeSet<&str> {
 /// Lives of every study at the usual levels of reliability, or its probability of failure.
 fn lives(studies: &[ComparedStudy], name: &str) -> Table {
     if studies[0].summary.is_static() {
-        let rows = studies.iter().map(|study| {
-            let row = study.summary.reliability.first();
-            vec![study.name.clone(), row.map_or(UNKNOWN.to_string(), |row| failure_probability(row, name))]
+        let rows = studies.iter().map(|ComparedStudy { name: study, summary }| {
+            let found = summary.reliability.first().map(|row| failure_probability(row, name));
+            vec![study.clone(), found.unwrap_or(UNKNOWN.to_owned())]
         });
         return Table::new(capital(name), ["study", "probability of failure (95 %)"], rows);
     }
     let levels = LEVELS.map(|level| format!("at R = {level} (95 % interval)"));
+    let row = |name: String, lives: [String; 3]| [name].into_iter().chain(lives).collect();
     let rows = studies.iter().map(|study| {
-        let lives = LEVELS.map(|level| life_with_limits(life_at(&study.summary, name, level)));
-        [vec![study.name.clone()], lives.to_vec()].concat()
+        row(study.name.clone(), LEVELS.map(|level| life_with_limits(life_at(&study.summary, name, level))))
     });
     let gains = studies.iter().skip(1).map(|study| {
-        let both = [&studies[0].summary, &study.summary];
-        let gains = LEVELS.map(|level| change_between(both, (name, level)).1);
-        [vec![format!("{} minus {}", study.name, studies[0].name)], gains.to_vec()].concat()
+        let gains =
+            LEVELS.map(|level| change_between([&studies[0].summary, &study.summary], (name, level)).1);
+        row(format!("{} minus {}", study.name, studies[0].name), gains)
     });
     let head = std::iter::once("life [cycles]".to_owned()).chain(levels);
     Table::new(capital(name), head, rows.chain(gains))

@@ -9,7 +9,7 @@ use crate::presentation::motion_cautions::{control_points_notes, motion_cautions
 use crate::results::store::{CampaignFile, CampaignMeta, StoreError};
 use crate::results::summary::StudySummary;
 use crate::study::ExplicitModel;
-use common::outputs::{COUNTERS, Diagnostics, Evaluation, NarrowGroove};
+use common::outputs::{COUNTERS, CycleHistory, Diagnostics, Evaluation, NarrowGroove, WornLife};
 use common::scene::{ContactLaw, JointKind, LimitState, OutputUnit, Scene};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -127,7 +127,7 @@ impl ReportInput {
                     }
                 }
                 Err(failure) => {
-                    input.failures.push((stored.id, failure.to_string()));
+                    input.failures.push((stored.id.unsigned_abs(), failure.to_string()));
                 }
             }
             Ok::<(), StoreError>(())
@@ -139,21 +139,19 @@ impl ReportInput {
     /// The data of one mechanism without a study: the `summary` has no results.
     pub fn of_one(scene: &Scene, summary: StudySummary, nominal: Option<Evaluation>) -> Self {
         let mut input = Self { nominal, ..Self::new(scene, summary, vec![]) };
-        let diagnostics = input.nominal.as_ref().map(|evaluation| &evaluation.diagnostics);
-        input.notes.extend(diagnostics.into_iter().flat_map(cautions));
+        input.notes.extend(input.nominal.iter().flat_map(|evaluation| cautions(&evaluation.diagnostics)));
         input
     }
 
     /// The data that scene and results provide, without the evaluations.
     fn new(scene: &Scene, summary: StudySummary, distributions: Vec<CheckpointDistribution>) -> Self {
         Self {
-            notes: [
-                of_designs(&summary).into_iter().collect(),
-                unsupported(&summary),
-                of_contact_law(scene).into_iter().collect(),
-                control_points_notes(&summary.control_points),
-            ]
-            .concat(),
+            notes: of_designs(&summary)
+                .into_iter()
+                .chain(unsupported(&summary))
+                .chain(of_contact_law(scene))
+                .chain(control_points_notes(&summary.control_points))
+                .collect(),
             summary,
             nominal: None,
             distributions,
@@ -176,6 +174,21 @@ impl ReportInput {
                 key => self.written.rename(key, text),
             }
         }
+    }
+
+    /// The first cycle of the nominal mechanism.
+    pub fn first_cycle(&self) -> Option<&CycleHistory> {
+        self.nominal.as_ref()?.first_cycle.as_ref()
+    }
+
+    /// The nominal mechanism over life.
+    pub fn worn(&self) -> Option<&WornLife> {
+        self.nominal.as_ref()?.worn.as_ref()
+    }
+
+    /// The last cycle of the nominal mechanism.
+    pub fn last_cycle(&self) -> Option<&CycleHistory> {
+        self.worn()?.last_cycle.as_ref()
     }
 
     /// `mechanism` or `system`.
@@ -209,7 +222,7 @@ impl WorkTotals {
         self.evaluations += 1;
         self.longest = self.longest.max(wall);
         add_grooves(&mut self.grooved, &diagnostics.narrow_grooves);
-        self.counts.iter_mut().zip(diagnostics.counts()).for_each(|(sum, count)| *sum += count);
+        self.counts.iter_mut().zip(COUNTERS).for_each(|(sum, (.., count))| *sum += count(diagnostics));
     }
 }
 
@@ -237,14 +250,11 @@ fn unsupported(summary: &StudySummary) -> Vec<String> {
 
 /// The note of a study over design variables.
 fn of_designs(summary: &StudySummary) -> Option<String> {
-    let note = || {
-        format!(
-            "The curves and sensitivities of this page are those of a design drawn at random from the ranges of {}. Single designs: \
-designs/designs.html, and `coordinator designs`.",
-            summary.designs.join(", ")
-        )
-    };
-    (!summary.designs.is_empty()).then(note)
+    let ranges = Some(summary.designs.join(", ")).filter(|ranges| !ranges.is_empty())?;
+    Some(format!(
+        "The curves and sensitivities of this page are those of a design drawn at random from the ranges of {ranges}. Single designs: \
+         designs/designs.html, and `coordinator designs`."
+    ))
 }
 
 /// What is to be said about the motion of the nominal mechanism.
@@ -254,9 +264,8 @@ fn cautions(diagnostics: &Diagnostics) -> Vec<String> {
 
 /// Cautions about properties of the model that affect the result.
 fn of_contact_law(scene: &Scene) -> Option<String> {
-    let local_hertz = scene.joints.iter().any(|joint| match &joint.kind {
-        JointKind::Clearance(clearance) => clearance.contact_law == ContactLaw::LocalHertz,
-        _ => false,
+    let local_hertz = scene.joints.iter().any(|joint| {
+        matches!(&joint.kind, JointKind::Clearance(hinge) if hinge.contact_law == ContactLaw::LocalHertz)
     });
     let watches_speed = scene.limit_states.iter().any(|state| {
         scene.outputs.get(state.output).map(|output| output.kind.unit()) == Some(OutputUnit::AngularVelocity)
@@ -282,17 +291,14 @@ pub struct GroovedJoint {
 /// Adds the grooves of one evaluation to the counts of their joints.
 fn add_grooves(grooved: &mut Vec<GroovedJoint>, grooves: &[NarrowGroove]) {
     for groove in grooves {
-        match grooved.iter_mut().find(|joint| joint.widest.joint == groove.joint) {
-            Some(known) => {
-                known.evaluations += 1;
-                known.since = known.since.min(groove.since);
-                if groove.open > known.widest.open {
-                    known.widest.clone_from(groove);
-                }
-            }
-            None => {
-                grooved.push(GroovedJoint { evaluations: 1, since: groove.since, widest: groove.clone() })
-            }
+        let Some(known) = grooved.iter_mut().find(|joint| joint.widest.joint == groove.joint) else {
+            grooved.push(GroovedJoint { evaluations: 1, since: groove.since, widest: groove.clone() });
+            continue;
+        };
+        known.evaluations += 1;
+        known.since = known.since.min(groove.since);
+        if groove.open > known.widest.open {
+            known.widest.clone_from(groove);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Parts of the interval of R and the levels of accuracy that correct it, in words and as tables; the stated numerical errors in words.
 
-use super::format::{count, fixed, percent, three_digits};
+use super::format::{count, fixed, joined, percent, three_digits};
 use super::life::governing;
 use super::{ReportInput, table, table_of};
 use crate::results::level_summary::DifferenceRow;
@@ -58,25 +58,26 @@ pub fn parts_and_levels(summary: &StudySummary) -> Vec<String> {
         let is_shown = |place: &usize| !(summary.is_direct() && *place == 1);
         let shown = (0..PARTS.len()).filter(is_shown);
         let each = shown.clone().map(|i| format!("{} {}", PARTS[i], half_width(summary, i, widths[i])));
-        let each: Vec<String> = each.collect();
+        let each = joined(each, ", ");
         let largest = shown.max_by(|a, b| widths[*a].total_cmp(&widths[*b])).filter(|i| widths[*i] > 0.0);
         let remedy = largest.and_then(|i| remedy(summary, row, i, widths[i]));
         let remedy = remedy.map_or(String::new(), |what| format!("; largest part reduced by {what}"));
         let at = format!(" at {} cycles", count(row.cycles.into()));
         let at = if summary.is_static() { "" } else { &at };
-        lines.push(format!("parts of the interval of R total{at}, half widths: {}{remedy}", each.join(", ")));
+        lines.push(format!("parts of the interval of R total{at}, half widths: {each}{remedy}"));
     }
     if let Some(levels) = &summary.levels {
         let [pairs, thirds] = levels.pairs;
         let third = if thirds > 0 { format!(", {thirds} of them at a third one") } else { String::new() };
-        let differences: Vec<String> = levels.differences.iter().map(difference).collect();
-        let none =
-            "levels: too few pairs gave a result; the numerical error is the one that simulations state";
-        let found = differences.join(", ");
-        let found = format!(
-            "levels: results corrected by {pairs} pairs at a finer level{third}, at the limit {found}"
-        );
-        lines.push(if differences.is_empty() { none.to_owned() } else { found });
+        let found = joined(levels.differences.iter().map(difference), ", ");
+        lines.push(if found.is_empty() {
+            "levels: too few pairs gave a result; the numerical error is the one that simulations state"
+                .to_owned()
+        } else {
+            format!(
+                "levels: results corrected by {pairs} pairs at a finer level{third}, at the limit {found}"
+            )
+        });
     }
     lines
 }
@@ -87,8 +88,7 @@ fn difference(row: &DifferenceRow) -> String {
 }
 
 fn signed_percent(share: f64) -> String {
-    let sign = if share < 0.0 { "-" } else { "+" };
-    format!("{sign}{}", percent(share.abs()))
+    format!("{}{}", if share < 0.0 { "-" } else { "+" }, percent(share.abs()))
 }
 
 /// Parts of the intervals of all curves where R of the system is nearest 1/2, and the differences of the levels.
@@ -99,13 +99,12 @@ pub fn tables(summary: &StudySummary) -> Markup {
     let cells = |name: &str| {
         let widths = row.parts.get(name).map(half_widths).unwrap_or_default();
         let all = widths.iter().map(|width| width * width).sum::<f64>().sqrt();
-        let numbers = [widths[0], widths[1], widths[2], all].into_iter().enumerate();
+        let numbers = widths.into_iter().chain([all]).enumerate();
         let numbers = numbers.map(|(place, width)| half_width(summary, place, width));
         std::iter::once(format!("{name}, {} cycles", count(row.cycles.into()))).chain(numbers)
     };
     let parts = table(&head, summary.curve_names().map(cells));
-    let differences = summary.levels.iter().flat_map(|levels| &levels.differences);
-    let differences: Vec<&DifferenceRow> = differences.collect();
+    let differences = summary.levels.as_ref().map_or(&[][..], |levels| &levels.differences);
     html! {
         (parts)
         @if !differences.is_empty() {
@@ -124,33 +123,24 @@ pub fn tables(summary: &StudySummary) -> Markup {
     }
 }
 
-/// An error as a share of its limit.
-fn of_limit(state: &LimitState, error: f64) -> String {
-    percent(error.abs() / state.scale())
-}
-
 /// Meaning and size of the stated errors, and their place in the intervals; empty if no evaluation states errors.
 pub fn sentences(input: &ReportInput) -> Vec<String> {
     let Some(row) = governing(&input.summary) else { return vec![] };
-    let sizes: Vec<String> = input
-        .scene
-        .limit_states
-        .iter()
-        .filter_map(|state| {
-            let stated = input.stated.get(state.output)?.iter().find(|stated| stated.cycles == row.cycles)?;
-            let [typical, largest] = [stated.typical, stated.largest].map(|error| of_limit(state, error));
-            Some(format!("{} {typical}, at most {largest}", input.output_of(state)))
-        })
-        .collect();
+    let size = |state: &LimitState| {
+        let stated = input.stated.get(state.output)?.iter().find(|stated| stated.cycles == row.cycles)?;
+        let of_limit = |error: f64| percent(error.abs() / state.scale());
+        let [typical, largest] = [stated.typical, stated.largest].map(of_limit);
+        Some(format!("{} {typical}, at most {largest}", input.output_of(state)))
+    };
+    let sizes = joined(input.scene.limit_states.iter().filter_map(size), "; ");
     if sizes.is_empty() {
         return vec![];
     }
     let mut text = vec![format!(
         "Every simulation states the numerical error of its outputs{}; the true error should be less than twice the stated \
-         one in 95 % of cases. Typical and largest stated error at {} cycles, as a share of the limit: {}.",
+         one in 95 % of cases. Typical and largest stated error at {} cycles, as a share of the limit: {sizes}.",
         if input.summary.of_mechanism() { ", estimated from its time and wear steps" } else { "" },
-        count(row.cycles.into()),
-        sizes.join("; ")
+        count(row.cycles.into())
     )];
     text.push(
         if input.summary.levels.is_some() {
@@ -161,18 +151,15 @@ pub fn sentences(input: &ReportInput) -> Vec<String> {
         }
         .to_owned(),
     );
-    let shares: Vec<String> = input
-        .summary
-        .surrogates
-        .iter()
-        .filter_map(|surrogate| Some((surrogate, surrogate.share_of_stated_error?)))
-        .map(|(surrogate, share)| format!("{} for {}", percent(share), surrogate.limit_state))
-        .collect();
+    let shares = input.summary.surrogates.iter().filter_map(|surrogate| {
+        let share = percent(surrogate.share_of_stated_error?);
+        Some(format!("{share} for {}", surrogate.limit_state))
+    });
+    let shares = joined(shares, " and ");
     if !shares.is_empty() {
         text.push(format!(
-            "The surrogates treat {} of the stated errors as noise that varies from one simulation to the next; the rest is \
-             common to all simulations and remains in the predictions.",
-            shares.join(" and ")
+            "The surrogates treat {shares} of the stated errors as noise that varies from one simulation to the next; the rest is \
+             common to all simulations and remains in the predictions."
         ));
     }
     text

@@ -98,9 +98,6 @@ pub fn life_and_limits(life: LifeAt) -> (String, String) {
             let upper_text = upper.map_or("beyond the life studied".to_owned(), |u| rounded_cycles(u, width));
             (rounded_cycles(life, width), format!("{} to {upper_text}", rounded_cycles(lower, width)))
         }
-        LifeAt::Between { lower, upper: Some(upper) } if lower > 0.0 => {
-            (format!("{} to {}", whole(lower.floor()), whole(upper.ceil())), String::new())
-        }
         LifeAt::Unworn { upper } => {
             let limits = match upper {
                 None => "to beyond the life studied".to_owned(),
@@ -109,10 +106,15 @@ pub fn life_and_limits(life: LifeAt) -> (String, String) {
             };
             (FAILED_UNWORN.to_owned(), limits)
         }
-        LifeAt::Between { upper: Some(upper), .. } => {
-            (format!("before {}", whole(upper.ceil())), String::new())
+        LifeAt::Between { lower, upper } => {
+            let (lower_text, upper_text) = (whole(lower.floor()), upper.map(|upper| whole(upper.ceil())));
+            let life = match upper_text {
+                Some(upper) if lower > 0.0 => format!("{lower_text} to {upper}"),
+                Some(upper) => format!("before {upper}"),
+                None => format!("after {lower_text}"),
+            };
+            (life, String::new())
         }
-        LifeAt::Between { lower, upper: None } => (format!("after {}", whole(lower.floor())), String::new()),
         LifeAt::Beyond { lower, .. } if lower < 1.0 => (NOT_KNOWN.to_owned(), String::new()),
         LifeAt::Beyond { lower, .. } => (format!("beyond {}", whole(lower.floor())), String::new()),
     }
@@ -120,28 +122,23 @@ pub fn life_and_limits(life: LifeAt) -> (String, String) {
 
 /// A life in one cell: with its limits in brackets, where it has some.
 pub fn life_with_limits(life: LifeAt) -> String {
-    match life_and_limits(life) {
-        (life, limits) if limits.is_empty() => life,
-        (life, limits) => format!("{life} ({limits})"),
-    }
+    let (life, limits) = life_and_limits(life);
+    if limits.is_empty() { life } else { format!("{life} ({limits})") }
 }
 
 /// The interval between two checkpoints that contains too much of the fall of R, in words with what resolves it.
 pub fn unresolved_fall(summary: &StudySummary) -> Option<String> {
     let fall = summary.unresolved_fall?;
+    let [from, to] = [fall.from, fall.to].map(|cycles| count(cycles.into()));
     if fall.to - fall.from <= 1 {
         return Some(format!(
-            "R falls within the one cycle from {} to {}, which no checkpoints resolve: lives there are interpolated or bounded.",
-            count(fall.from.into()),
-            count(fall.to.into())
+            "R falls within the one cycle from {from} to {to}, which no checkpoints resolve: lives there are interpolated or bounded."
         ));
     }
     let unworn = if fall.from == 0 { ", unless limits are exceeded unworn, in the first cycle" } else { "" };
     Some(format!(
-        "The checkpoints do not resolve the fall of R between {} and {} cycles: lives there are interpolated or bounded. \
+        "The checkpoints do not resolve the fall of R between {from} and {to} cycles: lives there are interpolated or bounded. \
          `checkpoint_every = {}` resolves it{unworn}.",
-        count(fall.from.into()),
-        count(fall.to.into()),
         fall.checkpoint_every
     ))
 }
@@ -160,8 +157,8 @@ pub fn failure_probability(row: &ReliabilityRow, name: &str) -> String {
 /// The reliability of a limit state with its 95 % interval, e.g. `0.3730 ± 0.0043`, or its bound, e.g. `> 0.9985`.
 pub fn reliability(row: &ReliabilityRow, name: &str) -> String {
     let r = row.reliability.get(name).copied().unwrap_or(f64::NAN);
-    row.interval_of(name)
-        .map_or_else(|| fixed(r, 4), |range| format::reliability(r, range.lower, range.upper))
+    let interval = row.interval_of(name);
+    interval.map_or_else(|| fixed(r, 4), |range| format::reliability(r, range.lower, range.upper))
 }
 
 /// The reliability of every limit state and of the system with its 95 % interval at these checkpoints: the head and a row each.

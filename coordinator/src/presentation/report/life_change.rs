@@ -43,27 +43,27 @@ fn in_cycles(change: &Change) -> String {
             _ => text,
         }
     };
-    match ends {
-        [Some(lower), Some(upper)] => {
-            format!("{} ({} to {})", shown(change.value), shown(lower), shown(upper))
-        }
-        [Some(lower), None] => format!("{} (at least {})", shown(change.value), shown(lower)),
-        [None, Some(upper)] => format!("{} (at most {})", shown(change.value), shown(upper)),
-        [None, None] => shown(change.value),
+    let value = shown(change.value);
+    match ends.map(|end| end.map(shown)) {
+        [Some(lower), Some(upper)] => format!("{value} ({lower} to {upper})"),
+        [Some(lower), None] => format!("{value} (at least {lower})"),
+        [None, Some(upper)] => format!("{value} (at most {upper})"),
+        [None, None] => value,
     }
 }
 
 /// What is known of a change of life where one of the lives is only bounded.
 fn bound(before: LifeAt, after: LifeAt) -> String {
-    match (before, after) {
+    let (sign, change) = match (before, after) {
         (LifeAt::Cycles { upper: Some(upper), .. }, LifeAt::Beyond { lower, .. }) if lower > upper => {
-            format!("more than +{}", rounded_cycles(lower - upper, 0.0))
+            ('+', lower - upper)
         }
         (LifeAt::Beyond { lower, .. }, LifeAt::Cycles { upper: Some(upper), .. }) if lower > upper => {
-            format!("more than \u{2212}{}", rounded_cycles(lower - upper, 0.0))
+            ('\u{2212}', lower - upper)
         }
-        _ => "not known".to_owned(),
-    }
+        _ => return "not known".to_owned(),
+    };
+    format!("more than {sign}{}", rounded_cycles(change, 0.0))
 }
 
 #[cfg(test)]

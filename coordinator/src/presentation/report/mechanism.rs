@@ -35,13 +35,10 @@ pub fn place(poses: &[Pose], point: &Attachment) -> [f64; 2] {
 
 /// Lower left and upper right corner of the rectangle around points; not finite if a coordinate is no number.
 pub fn extent(points: impl Iterator<Item = [f64; 2]>) -> [[f64; 2]; 2] {
-    let wider = |[low, high]: [[f64; 2]; 2], point: [f64; 2]| {
+    let wider = |ends: [[f64; 2]; 2], point: [f64; 2]| {
         // A value that is not a number must not be lost in a minimum.
         let keep = |a: f64, b: f64, less: bool| if b.is_nan() || (b < a) == less { b } else { a };
-        [
-            [0, 1].map(|k: usize| keep(low[k], point[k], true)),
-            [0, 1].map(|k: usize| keep(high[k], point[k], false)),
-        ]
+        [0, 1].map(|end: usize| [0, 1].map(|k: usize| keep(ends[end][k], point[k], end == 0)))
     };
     points.fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], wider)
 }
@@ -83,9 +80,9 @@ pub fn supports(scene: &Scene, body: usize) -> Vec<[f64; 2]> {
         Motion::Free { .. } => vec![],
         Motion::Driven { .. } => vec![[0.0; 2]],
         Motion::Fixed => {
+            use JointKind::{Cam, Guide, Mesh, Prismatic, Slot};
             let slides = |kind: &JointKind| {
-                matches!(kind, JointKind::Prismatic { .. } | JointKind::Guide(_) | JointKind::Slot { .. })
-                    || matches!(kind, JointKind::Mesh(_) | JointKind::Cam { .. })
+                matches!(kind, Prismatic { .. } | Guide(_) | Slot { .. } | Mesh(_) | Cam { .. })
             };
             let held = scene.joints.iter().filter(|joint| !slides(&joint.kind));
             let ends = held.flat_map(|joint| [joint.journal, joint.bushing]);

@@ -60,7 +60,6 @@ use thiserror::Error;
 /// Reasons why a report cannot be written.
 #[derive(Debug, Error)]
 pub enum ReportError {
-    /// A figure cannot be drawn.
     /// A file cannot be written.
     #[error(transparent)]
     File(#[from] ResultFileError),

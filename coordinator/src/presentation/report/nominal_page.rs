@@ -2,7 +2,7 @@
 //! `simulate --report`, and the beginning of the live page.
 
 use super::figures;
-use super::format::{UNKNOWN, count, whole, with_unit};
+use super::format::{UNKNOWN, count, joined, whole, with_unit};
 use super::{Figure, FigureFiles, Page, ReportInput, captioned};
 use super::{chapters, studied, tables};
 use crate::presentation::nominal_life::{NominalLife, nominal_lives};
@@ -60,8 +60,7 @@ impl NominalView<'_> {
     fn begin(&self, page: &mut Page, input: &ReportInput) {
         page.add(self.limits());
         let drawing = studied::figure(input).or_else(|| self.drawing.cloned());
-        let drawn =
-            drawing.into_iter().chain(studied::loads(input)).chain(figures::histories(input)).collect();
+        let drawn = drawing.into_iter().chain(studied::loads(input)).chain(figures::histories(input));
         let drawn = page.draw(drawn, "two");
         page.add(drawn);
     }
@@ -91,13 +90,12 @@ impl NominalView<'_> {
                 output.name.clone(),
                 of(&|life| life.unworn.map(shown)),
                 of(&|life| Some(shown(life.last))),
-                limit.thresholds().into_iter().map(shown).collect::<Vec<_>>().join(" to "),
+                joined(limit.thresholds().into_iter().map(shown), " to "),
                 of(&|life| Some(format!("{:.0} %", 100.0 * life.margin()))),
                 of(&|life| Some(life.reached.life().map_or("beyond the life studied".to_owned(), whole))),
             ]
         });
-        let end = count(scene.life.cycles.into());
-        let at_end = format!("after {end} cycles");
+        let at_end = format!("after {} cycles", count(scene.life.cycles.into()));
         let head = ["limit state", "output", "unworn", &at_end, "limit", "margin", "expected life [cycles]"];
         captioned("limits-now", "This mechanism against its limits", tables::table(&head, rows))
     }

@@ -9,7 +9,6 @@ use super::{Drawing, Ink};
 use common::scene::OutputUnit;
 use maud::{Markup, html};
 use std::f64::consts::TAU;
-use std::fmt::Write;
 
 /// Radius of the outermost ring [drawing units].
 const OUTER: f64 = 124.0;
@@ -24,12 +23,9 @@ pub fn full_scale(unit: &OutputUnit, largest: f64) -> f64 {
     }
     let largest = unit.to_shown(largest);
     let decade = 10f64.powf(largest.log10().floor());
-    [1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0]
-        .map(|factor| factor * decade)
-        .into_iter()
-        .find(|scale| *scale >= largest * (1.0 - 1e-9))
-        .unwrap_or(10.0 * decade)
-        / unit.to_shown(1.0)
+    let scales = [1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0].map(|factor| factor * decade);
+    let found = scales.into_iter().find(|scale| *scale >= largest * (1.0 - 1e-9));
+    found.unwrap_or(10.0 * decade) / unit.to_shown(1.0)
 }
 
 /// How a curve is drawn.
@@ -64,13 +60,10 @@ impl Polar {
             polar.elements.push(html! { circle r=(radius) fill="none" stroke=(grid) stroke-width="1" {} });
         }
         for spoke in 0..12 {
-            let [from, to] = [0.0, full].map(|value| {
-                polar.place(spoke_angle(spoke), value).map(|coordinate| format!("{coordinate:.1}"))
-            });
-            let ([x, y], [to_x, to_y]) = (from, to);
-            polar
-                .elements
-                .push(html! { line x1=(x) y1=(y) x2=(to_x) y2=(to_y) stroke=(grid) stroke-width="1" {} });
+            let place = |value| polar.place(spoke_angle(spoke), value).map(|place| format!("{place:.1}"));
+            let ([x, y], [to_x, to_y]) = (place(0.0), place(full));
+            let line = html! { line x1=(x) y1=(y) x2=(to_x) y2=(to_y) stroke=(grid) stroke-width="1" {} };
+            polar.elements.push(line);
         }
         polar
     }
@@ -116,8 +109,8 @@ impl Polar {
         if let Some(path) = self.spline(values) {
             let r = self.radius(0.0);
             let ring = format!("{path}ZM{r} 0A{r} {r} 0 1 0 {0} 0A{r} {r} 0 1 0 {r} 0Z", -r);
-            self.elements
-                .push(html! { path d=(ring) fill=(ink.hex()) fill-opacity="0.2" fill-rule="evenodd" {} });
+            let area = html! { path d=(ring) fill=(ink.hex()) fill-opacity="0.2" fill-rule="evenodd" {} };
+            self.elements.push(area);
         }
     }
 
@@ -128,28 +121,26 @@ impl Polar {
             return None;
         }
         let point = |k: usize| self.place(TAU * (k % n) as f64 / n as f64, values[k % n]);
-        let mut path = format!("M{:.2} {:.2}", point(0)[0], point(0)[1]);
-        for k in 0..n {
-            let (before, from, to, after) = (point(k + n - 1), point(k), point(k + 1), point(k + 2));
-            let handle = |p: [f64; 2], tip: [f64; 2], tail: [f64; 2]| {
-                [p[0] + (tip[0] - tail[0]) / 6.0, p[1] + (tip[1] - tail[1]) / 6.0]
-            };
-            let (a, b) = (handle(from, to, before), handle(to, from, after));
-            let _ =
-                write!(path, "C{:.2} {:.2} {:.2} {:.2} {:.2} {:.2}", a[0], a[1], b[0], b[1], to[0], to[1]);
-        }
-        Some(path)
+        let handle = |p: [f64; 2], tip: [f64; 2], tail: [f64; 2]| {
+            [p[0] + (tip[0] - tail[0]) / 6.0, p[1] + (tip[1] - tail[1]) / 6.0]
+        };
+        let curves = (0..n).map(|k| {
+            let (before, from, [x, y], after) = (point(k + n - 1), point(k), point(k + 1), point(k + 2));
+            let ([ax, ay], [bx, by]) = (handle(from, [x, y], before), handle([x, y], from, after));
+            format!("C{ax:.2} {ay:.2} {bx:.2} {by:.2} {x:.2} {y:.2}")
+        });
+        let [x, y] = point(0);
+        Some(std::iter::once(format!("M{x:.2} {y:.2}")).chain(curves).collect())
     }
 
     /// A curve through points given by x and y, those that are not finite left out `(n, 2)` [m].
     pub fn curve(&mut self, points: &[[f64; 2]], stroke: Stroke) {
-        let mut path = String::new();
-        let known = points.iter().filter(|[x, y]| x.is_finite() && y.is_finite());
-        for (k, [x, y]) in known.enumerate() {
+        let known = points.iter().filter(|[x, y]| x.is_finite() && y.is_finite()).enumerate();
+        let commands = known.map(|(k, [x, y])| {
             let [x, y] = self.place(y.atan2(*x), x.hypot(*y));
-            let _ = write!(path, "{}{x:.1} {y:.1}", if k == 0 { 'M' } else { 'L' });
-        }
-        self.path(path, stroke, Some("round"));
+            format!("{}{x:.1} {y:.1}", if k == 0 { 'M' } else { 'L' })
+        });
+        self.path(commands.collect(), stroke, Some("round"));
     }
 
     /// The drawing with a title in its corner, and the values of two rings in this unit between spoke `free`, from 0 to 11, and

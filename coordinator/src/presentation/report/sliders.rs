@@ -39,14 +39,11 @@ pub fn chapter(page: &mut Page, input: &ReportInput) -> Markup {
         return html! {};
     }
     let (inputs, axis) = (InputModel::from_scene(&input.scene), LifeAxis::new(summary));
-    let variables =
-        input.scene.variables.iter().zip(fixed_bounds(&source)).zip(&explicit.simulated).enumerate();
-    let variables: Vec<Value> = variables
-        .map(|(k, ((variable, fixed), (from, to)))| {
-            let simulated = [from, to].map(|x| inputs.standardised_value(k, *x));
-            of_variable(variable, fixed, &simulated, |x| inputs.standardised_value(k, x))
-        })
-        .collect();
+    let variables = input.scene.variables.iter().zip(fixed_bounds(&source)).zip(&explicit.simulated);
+    let variables = variables.enumerate().map(|(k, ((variable, fixed), (from, to)))| {
+        let z = |x| inputs.standardised_value(k, x);
+        of_variable(variable, fixed, &[*from, *to].map(z), z)
+    });
     let d = inputs.dimension();
     let unit = |k: usize| (0..d).map(|i| f64::from(u8::from(i == k))).collect::<Vec<f64>>();
     let columns = (!inputs.copula().is_independent())
@@ -61,17 +58,16 @@ pub fn chapter(page: &mut Page, input: &ReportInput) -> Markup {
             "ink": ink_of(summary, &curve.limit_state).hex() })
     });
     let data = json!({
-        "variables": variables, "columns": columns, "levels": LEVELS, "end": end,
+        "variables": variables.collect::<Value>(), "columns": columns, "levels": LEVELS, "end": end,
         "states": states.map(|(state, explicit)| of_state(input, state, explicit)).collect::<Vec<_>>(),
         "curves": curves.collect::<Vec<_>>(), "divisor": f64::from(end) / axis.place(end),
     });
     // As far to the left of the first failures as the end lies to their right.
     let first = (2.0 * span(summary, &axis).0 - axis.place(end)).max(0.0);
-    let line = |row: &LifeCurveRow| {
-        let mut points = curve(summary, &row.limit_state, &axis).0;
+    let line = |LifeCurveRow { limit_state, .. }: &LifeCurveRow| {
+        let mut points = curve(summary, limit_state, &axis).0;
         points.retain(|(life, _)| *life >= first);
-        let shape = Shape::Line(points);
-        Series::new(&row.limit_state, ink_of(summary, &row.limit_state), shape)
+        Series::new(limit_state, ink_of(summary, limit_state), Shape::Line(points))
     };
     let series: Vec<Series> = summary.curves.iter().filter(is_drawn).map(line).collect();
     let x = Axis::linear(axis.label, (first, axis.place(end)));

@@ -6,7 +6,7 @@ use super::input::{GroovedJoint, ReportInput};
 use super::life::{self, LEVELS, LifeAt, life_and_limits, life_at};
 use crate::results::summary::{ReliabilityRow, Round, ScaleRow, SensitivityRow, WorkerShare};
 use crate::statistics::reliability::REACH;
-use common::outputs::COUNTERS;
+use common::outputs::{COUNTERS, Counter};
 use common::random::Distribution;
 use common::scene::{OutputUnit, Units};
 use maud::{Markup, Render, html};
@@ -45,8 +45,8 @@ fn scrolling_table<H: AsRef<str>, R: IntoIterator<Item: Render>>(
     head: &[H],
     rows: impl IntoIterator<Item = R>,
 ) -> Markup {
-    let row = |cells: R| cells.into_iter().map(|cell| cell.render()).collect();
-    let rows: Vec<Row> = rows.into_iter().map(row).collect();
+    let rows: Vec<Row> =
+        rows.into_iter().map(|cells| cells.into_iter().map(|cell| cell.render()).collect()).collect();
     // The last column of a table with text holds no numbers.
     let numbers = head.len() - usize::from(class.is_some());
     let columns: Vec<Vec<Option<String>>> = (0..numbers).map(|k| missing_digits(&rows, k)).collect();
@@ -106,16 +106,11 @@ pub fn life_cell(life: LifeAt) -> Markup {
 /// Lives at the usual levels of reliability, in total and per limit state, with their 95 % intervals.
 pub fn lives(input: &ReportInput) -> Markup {
     let summary = &input.summary;
-    let mut names = vec!["total"];
-    if summary.limit_states.len() > 1 {
-        names.extend(summary.limit_states.iter().map(String::as_str));
-    }
-    let mut head = vec!["life [cycles] at"];
-    let titles: Vec<String> = names
-        .iter()
-        .map(|name| format!("{} (95 %)", if *name == "total" { input.subject() } else { name }))
-        .collect();
-    head.extend(titles.iter().map(String::as_str));
+    let states = summary.limit_states.iter().map(String::as_str).filter(|_| summary.limit_states.len() > 1);
+    let names: Vec<&str> = ["total"].into_iter().chain(states).collect();
+    let titles = names.iter().map(|name| if *name == "total" { input.subject() } else { name });
+    let titles = titles.map(|title| format!("{title} (95 %)"));
+    let head: Vec<String> = std::iter::once("life [cycles] at".to_owned()).chain(titles).collect();
     let cells = |level: &f64| -> Vec<Markup> {
         let lives = names.iter().map(|name| life_cell(life_at(summary, name, *level)));
         std::iter::once(html! { "R = " (level) }).chain(lives).collect()
@@ -181,13 +176,13 @@ pub fn diagnostics(input: &ReportInput) -> Markup {
     let per = |sum: u64| three_digits(sum as f64 / work.evaluations.max(1) as f64);
     let flight = input.nominal.as_ref().map_or(&[][..], |nominal| &nominal.diagnostics.free_flight_fraction);
     html! {
-        (table_of::<(&(&str, &str), u64)>(
+        (table_of::<(Counter, u64)>(
             &[
-                ("work", &|((_, name), _)| (*name).to_owned()),
+                ("work", &|((_, name, _), _)| (*name).to_owned()),
                 ("all evaluations", &|(_, sum)| count(*sum)),
                 ("per evaluation", &|(_, sum)| per(*sum)),
             ],
-            COUNTERS.iter().zip(work.counts),
+            COUNTERS.into_iter().zip(work.counts),
         ))
         @if !flight.is_empty() {
             (table_of::<&(String, f64)>(
@@ -223,13 +218,13 @@ fn grooves(grooved: &[GroovedJoint], units: &Units) -> Markup {
 pub fn stated_errors(input: &ReportInput) -> Option<Markup> {
     let nominal = input.nominal.as_ref()?;
     let cycles = nominal.cycles.last()?;
-    let rows =
-        input.scene.outputs.iter().zip(&nominal.histories).enumerate().map(|(k, (output, history))| {
-            let unit = input.scene.unit_of(output);
-            let last = |row: &[f64]| with_unit(&unit, row.last().copied().unwrap_or(f64::NAN));
-            let error = nominal.errors.get(k).map_or(UNKNOWN.to_owned(), |errors| last(errors));
-            [words(&output.name), last(history), error]
-        });
+    let outputs = input.scene.outputs.iter().zip(&nominal.histories).enumerate();
+    let rows = outputs.map(|(k, (output, history))| {
+        let unit = input.scene.unit_of(output);
+        let last = |row: &[f64]| with_unit(&unit, row.last().copied().unwrap_or(f64::NAN));
+        let error = nominal.errors.get(k).map_or(UNKNOWN.to_owned(), |errors| last(errors));
+        [words(&output.name), last(history), error]
+    });
     let subject = format!("nominal at {} cycles", count((*cycles).into()));
     Some(table(&[subject.as_str(), "value", "numerical error"], rows))
 }

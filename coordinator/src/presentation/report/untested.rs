@@ -1,6 +1,6 @@
 //! Notes on what the simulations of a study do not support: failures that none of them has met, steps and noise of outputs.
 
-use super::format::{count, power, three_digits};
+use super::format::{count, joined, power, three_digits};
 use crate::results::outlier_summary::{OutlierEvaluation, OutlierRow};
 use crate::results::summary::{StudySummary, SurrogateRow, UntestedRow};
 
@@ -86,18 +86,16 @@ pub fn steps_and_noise(summary: &StudySummary) -> Vec<String> {
 
 /// The line of an outlier whose sample was evaluated again.
 fn repeated_outlier(summary: &StudySummary, row: &OutlierRow) -> String {
-    let unit = summary.limits.iter().find(|limit| limit.name == row.limit_state);
-    let unit = unit.map_or(String::new(), |limit| format!(" {}", limit.unit));
+    let limit = summary.limits.iter().find(|limit| limit.name == row.limit_state);
+    let unit = limit.map_or(String::new(), |limit| format!(" {}", limit.unit));
     let name = |one: &OutlierEvaluation| match (one.number, one.value) {
         (Some(number), Some(value)) => {
             format!("evaluation {number} of worker {} gave {}{unit}", one.worker, three_digits(value))
         }
         _ => "one without a result".to_owned(),
     };
-    let names = |used: bool| {
-        let chosen = row.evaluations.iter().skip(1).filter(|one| one.used == used);
-        chosen.map(name).collect::<Vec<_>>().join(", ")
-    };
+    let names =
+        |used: bool| joined(row.evaluations.iter().skip(1).filter(|one| one.used == used).map(name), ", ");
     let verdict = match row.evaluations.iter().filter(|one| one.used).count() {
         0 if row.evaluations.len() < 3 => format!("{}: the budget allowed no further one", names(false)),
         0 => format!("{}: no two agree, and the sample counts as failed", names(false)),

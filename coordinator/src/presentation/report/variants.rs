@@ -6,7 +6,7 @@ use super::life::{LEVELS, LifeAt, life_and_limits, life_at};
 use super::{Axis, BarPair, Bars, Figure, Ink, LifeAxis, Plot, Points, Series, Shape, table};
 use crate::results::summary::{ReliabilityRow, StudySummary, VariantRow};
 use crate::statistics::reliability::REACH;
-use maud::{Markup, Render, html};
+use maud::Markup;
 
 /// The study with the lives and reliabilities of a variant.
 fn as_study(summary: &StudySummary, variant: &VariantRow) -> StudySummary {
@@ -66,10 +66,12 @@ pub fn figures(summary: &StudySummary) -> Vec<Figure> {
         (*x, low, high)
     });
     let mut series = vec![Series::unlisted("envelope", Ink::Muted, Shape::Band(envelope.collect()))];
-    let lines = known.iter().zip(each).enumerate();
-    series.extend(
-        lines.map(|(k, (variant, points))| Series::new(&variant.name, Ink::Series(k), Shape::Dashed(points))),
-    );
+    let lines = known
+        .iter()
+        .zip(each)
+        .enumerate()
+        .map(|(k, (variant, points))| Series::new(&variant.name, Ink::Series(k), Shape::Dashed(points)));
+    series.extend(lines);
     series.push(Series::new("study", Ink::Ink, Shape::Line(own)));
     let x = Axis::linear(axis.label, span(summary, &axis));
     let caption = "Reliability of the whole system by the study and by each variant; area: between the least and the largest.";
@@ -97,9 +99,9 @@ pub fn rows(summary: &StudySummary) -> Markup {
     let [first, _, last] = LEVELS;
     let row = |variant: &VariantRow| {
         let study = as_study(summary, variant);
-        let life = |level: f64| match variant.reliability.is_empty() {
-            true => "too few results".to_owned(),
-            false => life_and_limits(life_at(&study, "total", level)).0,
+        let life = |level: f64| match variant.reliability.as_slice() {
+            [] => "too few results".to_owned(),
+            _ => life_and_limits(life_at(&study, "total", level)).0,
         };
         let change = variant.changes_of_lives.first().copied().flatten();
         let change = change.map_or("not known".to_owned(), |change| match (change.lower, change.upper) {
@@ -107,10 +109,8 @@ pub fn rows(summary: &StudySummary) -> Markup {
             _ => fixed(change.value, 0),
         });
         let effort = format!("{} ({} failed)", variant.evaluations, variant.failed);
-        let cells =
-            [variant.name.clone(), variant.changes.join(", "), life(first), change, life(last), effort];
-        cells.iter().map(Render::render).collect::<Vec<Markup>>()
+        [variant.name.clone(), variant.changes.join(", "), life(first), change, life(last), effort]
     };
     let head = ["variant", "changes", "life at R = 0.99", "change (95 %)", "life at R = 0.5", "simulations"];
-    html! { (table(&head.map(str::to_owned), summary.variants.iter().map(row))) }
+    table(&head, summary.variants.iter().map(row))
 }

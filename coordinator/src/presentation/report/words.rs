@@ -2,7 +2,7 @@
 
 use super::ReportInput;
 use super::figures::shares_of_failures;
-use super::format::{count, duration, number_of_cycles, percent, seven_digits, short_percent};
+use super::format::{count, duration, exactly_with_unit, joined, number_of_cycles, percent, short_percent};
 use super::life::{
     LifeAt, failure_probability, governing, leaders, life_and_limits, life_at, unresolved_fall,
 };
@@ -28,10 +28,8 @@ pub fn life(summary: &StudySummary, level: f64) -> (String, String) {
 /// The accuracy of a study, e.g. `balanced`, `draft+step-x0.71 (stated errors below 1 % at the points tried)`.
 pub fn accuracy(summary: &StudySummary) -> String {
     let name = &summary.accuracy;
-    summary.max_error.map_or_else(
-        || name.clone(),
-        |share| format!("{name} (stated errors below {} at the points tried)", short_percent(share)),
-    )
+    let tried = |share| format!("{name} (stated errors below {} at the points tried)", short_percent(share));
+    summary.max_error.map_or_else(|| name.clone(), tried)
 }
 
 /// The sentences at the head of the report.
@@ -54,9 +52,8 @@ pub fn sentences(input: &ReportInput) -> Vec<String> {
 fn failure_probabilities(input: &ReportInput) -> Option<String> {
     let row = input.summary.reliability.first()?;
     let names = input.summary.curve_names();
-    let each: Vec<String> =
-        names.map(|name| format!("{} ({name})", failure_probability(row, name))).collect();
-    Some(format!("The probability of failure (95 % interval) is {}.", each.join(", ")))
+    let each = joined(names.map(|name| format!("{} ({name})", failure_probability(row, name))), ", ");
+    Some(format!("The probability of failure (95 % interval) is {each}."))
 }
 
 /// The most frequent failure over life, and the failures at the governing checkpoint.
@@ -65,30 +62,26 @@ fn failures_over_life(input: &ReportInput) -> Vec<String> {
     let mut text = Vec::new();
     let criterion = |name: &str| {
         let state = input.scene.limit_states.iter().find(|state| state.name == name)?;
-        let unit = input.unit_of(state);
-        let output = input.output_of(state);
-        let shown = |value: f64| unit.after(&seven_digits(unit.to_shown(value)));
-        let threshold = shown(state.threshold);
-        Some(match state.fails {
-            Fails::Above => format!("{output} reaching {threshold}"),
-            Fails::Below => format!("{output} falling to {threshold}"),
+        let (unit, output) = (input.unit_of(state), input.output_of(state));
+        let threshold = exactly_with_unit(&unit, state.threshold);
+        let how = match state.fails {
+            Fails::Above => format!("reaching {threshold}"),
+            Fails::Below => format!("falling to {threshold}"),
             Fails::Outside { lower } => {
-                format!("{output} falling to {} or reaching {threshold}", shown(lower))
+                format!("falling to {} or reaching {threshold}", exactly_with_unit(&unit, lower))
             }
-        })
+        };
+        Some(format!("{name} ({output} {how})"))
     };
-    let named =
-        |name: &str| criterion(name).map_or(name.to_string(), |criterion| format!("{name} ({criterion})"));
+    let named = |name: &str| criterion(name).unwrap_or_else(|| name.to_owned());
     match leaders(summary).as_slice() {
         [] => text.push(without_leader(summary, input.subject())),
-        [(from, only)] if summary.limit_states.len() == 1 => {
-            text.push(format!(
-                "The {} fails by {}; the failed share exceeds 0.1 % from {} on.",
-                input.subject(),
-                named(only),
-                number_of_cycles(*from)
-            ));
-        }
+        [(from, only)] if summary.limit_states.len() == 1 => text.push(format!(
+            "The {} fails by {}; the failed share exceeds 0.1 % from {} on.",
+            input.subject(),
+            named(only),
+            number_of_cycles(*from)
+        )),
         [(from, first), rest @ ..] => {
             let always = if rest.is_empty() { ", over the whole life studied" } else { "" };
             let until = rest.first().map_or("cycles on".to_string(), |(next, _)| {
@@ -100,31 +93,25 @@ fn failures_over_life(input: &ReportInput) -> Vec<String> {
                 input.subject(),
                 count((*from).into())
             ));
-            for (from, next) in rest {
-                text.push(format!(
-                    "From {} on, {} has been the first failure of most.",
-                    number_of_cycles(*from),
-                    named(next)
-                ));
-            }
+            text.extend(rest.iter().map(|(from, next)| {
+                let from = number_of_cycles(*from);
+                format!("From {from} on, {} has been the first failure of most.", named(next))
+            }));
         }
     }
     if let Some(row) = governing(summary).filter(|_| summary.limit_states.len() > 1) {
         let failed = |name: &str| row.reliability.get(name).map_or(f64::NAN, |r| 1.0 - r);
-        let parts: Vec<String> =
-            summary.limit_states.iter().map(|name| format!("{} by {name}", percent(failed(name)))).collect();
+        let parts = summary.limit_states.iter().map(|name| format!("{} by {name}", percent(failed(name))));
         if failed("total") > 5e-4 {
             text.push(format!(
                 "At {}, {} have failed: {} (a {} that failed in several ways is counted in each).",
                 number_of_cycles(row.cycles),
                 percent(failed("total")),
-                parts.join(", "),
+                joined(parts, ", "),
                 input.subject()
             ));
             let causes = shares_of_failures(summary, row.cycles);
-            text.extend(
-                causes.map(|shares| format!("First cause of these failures: {}.", shares.join(", "))),
-            );
+            text.extend(causes.map(|shares| format!("First cause of these failures: {shares}.")));
         }
     }
     text
@@ -143,11 +130,9 @@ fn without_leader(summary: &StudySummary, subject: &str) -> String {
     let Some(last) = summary.reliability.last() else { return String::new() };
     let by = match summary.limit_states.as_slice() {
         [only] => format!(" by {only}"),
-        _ => {
-            format!(
-                ": no limit state is ahead of the others by more than 0.1 % of the {subject}s at any checkpoint"
-            )
-        }
+        _ => format!(
+            ": no limit state is ahead of the others by more than 0.1 % of the {subject}s at any checkpoint"
+        ),
     };
     format!("By {}, {} have failed{by}.", number_of_cycles(last.cycles), percent(failed))
 }
@@ -181,7 +166,6 @@ pub fn effort(summary: &StudySummary) -> String {
     let counts = summary.evaluations;
     let failed = match counts.failed {
         0 => "none without a result".to_string(),
-        1 => "1 without a result".to_string(),
         n => format!("{} without a result", count(n as u64)),
     };
     let surrogate = if summary.is_direct() {

@@ -1,6 +1,7 @@
 //! The scene as its author wrote it, as far as a resolved scene does not have it: parameters, formulas, and the names of points and
 //! materials.
 
+use super::format::joined;
 use common::scene::expression::{ExpressionError, evaluate};
 use common::scene::quantity::Quantity;
 use common::scene::{SceneSource, Units};
@@ -33,13 +34,10 @@ impl WrittenScene {
         let Ok(source) = SceneSource::parse(text, "scene.toml") else { return Self::default() };
         let document = source.document();
         let mut written = Self { units: source.nominal().units.clone(), ..Self::default() };
-        let table = |name: &str| document.get(name).and_then(Value::as_table);
-        let parameters: Vec<&String> = table("parameters").into_iter().flat_map(Table::keys).collect();
-        written.parameters = table("parameters")
-            .into_iter()
-            .flatten()
-            .map(|(name, value)| (name.clone(), text_of(value)))
-            .collect();
+        let table = document.get("parameters").and_then(Value::as_table);
+        let parameters: Vec<&String> = table.into_iter().flat_map(Table::keys).collect();
+        written.parameters =
+            table.into_iter().flatten().map(|(name, value)| (name.clone(), text_of(value))).collect();
         for row in document.get("variables").and_then(Value::as_array).into_iter().flatten() {
             let text = |value: Option<&Value>| value.and_then(Value::as_str).map(str::to_owned);
             let from = text(row.get("samples").and_then(|samples| samples.get("source")));
@@ -56,16 +54,16 @@ impl WrittenScene {
     fn walk(&mut self, source: &SceneSource, parameters: &[&String], path: &str, value: &Value) {
         match value {
             Value::Table(table) => {
-                table
-                    .iter()
-                    .for_each(|(key, value)| self.walk(source, parameters, &format!("{path}.{key}"), value));
+                for (key, value) in table {
+                    self.walk(source, parameters, &format!("{path}.{key}"), value);
+                }
             }
             Value::Array(items) => {
                 for (k, item) in items.iter().enumerate() {
-                    let name = item.get("name").and_then(Value::as_str).map(str::to_owned);
-                    let axis =
-                        ["x", "y"].get(k).filter(|axis| source.quantity(&format!("{path}.{axis}")).is_some());
-                    let last = name.or(axis.map(|axis| (*axis).to_owned())).unwrap_or((k + 1).to_string());
+                    let is_axis = |axis: &&str| source.quantity(&format!("{path}.{axis}")).is_some();
+                    let axis = ["x", "y"].get(k).copied().filter(is_axis);
+                    let name = item.get("name").and_then(Value::as_str).or(axis);
+                    let last = name.map_or_else(|| (k + 1).to_string(), str::to_owned);
                     self.walk(source, parameters, &format!("{path}.{last}"), item);
                 }
             }
@@ -90,7 +88,7 @@ impl WrittenScene {
     pub fn changes_of(&self, condition: &str) -> String {
         let place = format!("conditions.{condition}.changes.");
         let changes = self.changes.iter().filter_map(|(key, text)| Some((key.strip_prefix(&place)?, text)));
-        changes.map(|(key, text)| format!("{key} = {text}")).collect::<Vec<_>>().join("; ")
+        joined(changes.map(|(key, text)| format!("{key} = {text}")), "; ")
     }
 
     /// True if the quantity at this key depends on parameters.

@@ -25,8 +25,8 @@ pub fn final_text(summary: &StudySummary, dir: &Path) -> String {
             .collect(),
         _ => over_life(summary),
     };
-    for note in no_simulated_failure(summary).into_iter().chain(control_points_notes(&summary.control_points))
-    {
+    let cautions = no_simulated_failure(summary).into_iter();
+    for note in cautions.chain(control_points_notes(&summary.control_points)) {
         text += &format!("caution: {note}\n");
     }
     if !summary.convergence.stopped_because.is_empty() {
@@ -35,14 +35,10 @@ pub fn final_text(summary: &StudySummary, dir: &Path) -> String {
     if let Some(command) = summary.convergence.command_to_go_on(dir) {
         text += &format!("the study ended before its targets were met; go on with `{command}`\n");
     }
-    for line in parts_and_levels(summary) {
+    for line in parts_and_levels(summary).into_iter().chain(steps_and_noise(summary)) {
         text += &format!("{line}\n");
     }
-    for note in steps_and_noise(summary) {
-        text += &format!("{note}\n");
-    }
-    let counts = summary.evaluations;
-    let time = summary.timing_s;
+    let (counts, time) = (summary.evaluations, summary.timing_s);
     let [first, then] =
         if summary.is_direct() { ["nominal", "samples"] } else { ["initial", "added by learning"] };
     text += &format!(
@@ -62,9 +58,9 @@ pub fn final_text(summary: &StudySummary, dir: &Path) -> String {
         if workers == 1 { "" } else { "s" },
         duration(time.surrogate)
     );
-    text += &format!("report: {}\n", dir.join("report.html").display());
     text += &format!(
-        "files: summary.json, reliability.csv, samples.csv, campaign.db, figures/ in {}\n",
+        "report: {}\nfiles: summary.json, reliability.csv, samples.csv, campaign.db, figures/ in {}\n",
+        dir.join("report.html").display(),
         dir.display()
     );
     text.replace('\u{a0}', " ")

@@ -10,7 +10,7 @@
 
 use super::error::StoreError;
 use rusqlite::{Connection, ErrorCode, OpenFlags};
-use std::fmt::Write;
+use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use tempfile::TempDir;
@@ -26,29 +26,27 @@ const PATIENCE: Duration = Duration::from_secs(10);
 /// # Errors
 /// [`StoreError::Database`].
 pub fn connect(path: &Path, flags: OpenFlags) -> Result<Connection, StoreError> {
-    let failed = |source| StoreError::Database { path: path.into(), source };
-    let connection =
-        Connection::open_with_flags(path, flags | OpenFlags::SQLITE_OPEN_NO_MUTEX).map_err(failed)?;
-    connection.busy_timeout(PATIENCE).map_err(failed)?;
+    let flags = flags | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+    let connection = Connection::open_with_flags(path, flags).map_err(StoreError::of(path))?;
+    connection.busy_timeout(PATIENCE).map_err(StoreError::of(path))?;
     Ok(connection)
 }
 
-/// A connection for reading.
-pub struct ReadConnection {
-    /// The connection to the campaign file or to its copy.
-    pub connection: Connection,
-    /// What is removed after the connection has ended.
-    pub after: AfterReading,
-}
+/// The connection to the campaign file or to its copy, and what is held until it has ended.
+pub type ReadConnection = (Connection, Held);
 
-/// What is removed after a file has been read.
-#[derive(Debug, Default)]
+/// What an open campaign file holds besides its connection.
+#[derive(Debug)]
 #[allow(dead_code)] // kept for their Drop
-pub struct AfterReading {
-    /// Folder of the copy.
-    pub copy: Option<TempDir>,
-    /// Index and log that the connection created.
-    pub left: Option<LeftFiles>,
+pub enum Held {
+    /// The lock of the folder: the file is open for writing.
+    Lock(File),
+    /// Nothing: the file is read beside a study that is running, or does not change.
+    Nothing,
+    /// Folder of the copy that is read.
+    Copy(TempDir),
+    /// Index and log that the connection created to read.
+    Left(LeftFiles),
 }
 
 /// Removes index and log of the campaign file at this path when dropped, by a connection that may write. SQLite removes them if no
@@ -71,22 +69,15 @@ impl Drop for LeftFiles {
 /// [`StoreError::NotACampaign`], or what the file system or SQLite report.
 pub fn connect_read_only(path: &Path) -> Result<ReadConnection, StoreError> {
     let is_in_use = log_of(path).exists();
-    match shared(path) {
-        Ok(connection) => {
-            let left = (!is_in_use).then(|| LeftFiles(path.to_path_buf()));
-            Ok(ReadConnection { connection, after: AfterReading { left, copy: None } })
-        }
+    // Beside other connections, and read from once.
+    let opened = connect(path, OpenFlags::SQLITE_OPEN_READ_ONLY);
+    match opened.and_then(|connection| probe(path, &connection).map(|()| connection)) {
+        Ok(connection) if is_in_use => Ok((connection, Held::Nothing)),
+        Ok(connection) => Ok((connection, Held::Left(LeftFiles(path.to_path_buf())))),
         Err(error) if !needs_index(&error) => Err(named(path, error)),
-        Err(_) if has_log(path) => from_copy(path),
+        Err(_) if std::fs::metadata(log_of(path)).is_ok_and(|log| log.len() > 0) => from_copy(path),
         Err(_) => unchanging(path),
     }
-}
-
-/// Opens the file beside other connections, and reads from it once.
-fn shared(path: &Path) -> Result<Connection, StoreError> {
-    let connection = connect(path, OpenFlags::SQLITE_OPEN_READ_ONLY)?;
-    probe(path, &connection)?;
-    Ok(connection)
 }
 
 /// Opens a file that no process changes.
@@ -94,15 +85,14 @@ pub(super) fn unchanging(path: &Path) -> Result<ReadConnection, StoreError> {
     let flags =
         OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_URI | OpenFlags::SQLITE_OPEN_NO_MUTEX;
     let uri = format!("file:{}?immutable=1", escaped(path));
-    let failed = |source| StoreError::Database { path: path.into(), source };
-    let connection = Connection::open_with_flags(uri, flags).map_err(failed)?;
+    let connection = Connection::open_with_flags(uri, flags).map_err(StoreError::of(path))?;
     probe(path, &connection).map_err(|error| named(path, error))?;
-    Ok(ReadConnection { connection, after: AfterReading::default() })
+    Ok((connection, Held::Nothing))
 }
 
 /// Copies the file with its log into a temporary folder and opens the copy.
 pub(super) fn from_copy(path: &Path) -> Result<ReadConnection, StoreError> {
-    let failed = |source| StoreError::Folder { dir: std::env::temp_dir(), source };
+    let failed = |source| StoreError::Folder(std::env::temp_dir(), source);
     let copy = TempDir::new().map_err(failed)?;
     let target = copy.path().join(FILE_NAME);
     for (from, to) in [(path.to_path_buf(), target.clone()), (log_of(path), log_of(&target))] {
@@ -110,37 +100,31 @@ pub(super) fn from_copy(path: &Path) -> Result<ReadConnection, StoreError> {
     }
     let connection = connect(&target, OpenFlags::SQLITE_OPEN_READ_WRITE)?;
     probe(path, &connection).map_err(|error| named(path, error))?;
-    Ok(ReadConnection { connection, after: AfterReading { copy: Some(copy), left: None } })
+    Ok((connection, Held::Copy(copy)))
 }
 
 fn probe(path: &Path, connection: &Connection) -> Result<(), StoreError> {
-    connection
-        .query_row("SELECT count(*) FROM sqlite_schema", [], |_| Ok(()))
-        .map_err(|source| StoreError::Database { path: path.into(), source })
+    let sql = "SELECT count(*) FROM sqlite_schema";
+    connection.query_row(sql, [], |_| Ok(())).map_err(StoreError::of(path))
 }
 
 /// Whether the shared index is missing and cannot be created, e.g. on a full disk.
 fn needs_index(error: &StoreError) -> bool {
-    let StoreError::Database { source, .. } = error else { return false };
+    let StoreError::Database(_, source) = error else { return false };
     matches!(
         source.sqlite_error_code(),
         Some(ErrorCode::CannotOpen | ErrorCode::ReadOnly | ErrorCode::SystemIoFailure | ErrorCode::DiskFull)
     )
 }
 
-fn named(path: &Path, error: StoreError) -> StoreError {
+/// The error, by its own name for a file that is no database.
+pub fn named(path: &Path, error: StoreError) -> StoreError {
     match error {
-        StoreError::Database { source, .. }
-            if source.sqlite_error_code() == Some(ErrorCode::NotADatabase) =>
-        {
-            StoreError::NotACampaign { path: path.into() }
+        StoreError::Database(_, source) if source.sqlite_error_code() == Some(ErrorCode::NotADatabase) => {
+            StoreError::NotACampaign(path.into())
         }
         error => error,
     }
-}
-
-fn has_log(path: &Path) -> bool {
-    std::fs::metadata(log_of(path)).is_ok_and(|log| log.len() > 0)
 }
 
 fn log_of(path: &Path) -> PathBuf {
@@ -151,14 +135,9 @@ fn log_of(path: &Path) -> PathBuf {
 
 /// A path as part of a URI.
 fn escaped(path: &Path) -> String {
-    let mut text = String::new();
-    for byte in path.as_os_str().as_encoded_bytes() {
-        if byte.is_ascii_alphanumeric() || b"/-_.~".contains(byte) {
-            text.push(char::from(*byte));
-        } else {
-            // Writing to a String cannot fail.
-            let _ = write!(text, "%{byte:02X}");
-        }
-    }
-    text
+    let escaped = |byte: &u8| match byte {
+        plain if plain.is_ascii_alphanumeric() || b"/-_.~".contains(plain) => char::from(*plain).to_string(),
+        other => format!("%{other:02X}"),
+    };
+    path.as_os_str().as_encoded_bytes().iter().map(escaped).collect()
 }

@@ -1,9 +1,11 @@
 //! Errors of the campaign file.
 
 use super::exact::OutcomeFault;
+use super::migration::FROM;
+use super::schema::SCHEMA_VERSION;
 use crate::farm::evaluate::EvaluateError;
 use rusqlite::ErrorCode;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 /// Version of this program.
@@ -18,35 +20,23 @@ fn written_by(program: Option<&str>) -> String {
 #[derive(Debug, Error)]
 pub enum StoreError {
     /// Another running process has locked the folder.
-    #[error("output folder {}: in use by another running coordinator; wait for it to end, or start a new study in another folder", dir.display())]
-    InUse {
-        /// Folder of the study.
-        dir: PathBuf,
-    },
+    #[error("output folder {}: in use by another running coordinator; wait for it to end, or start a new study in another folder", .0.display())]
+    InUse(PathBuf),
     /// The folder of a new study holds a study already.
     #[error(
-        "output folder {}: already holds a study; continue it with `coordinator resume {}`, or choose another --out",
-        dir.display(), dir.display()
+        "output folder {dir}: already holds a study; continue it with `coordinator resume {dir}`, or choose another --out",
+        dir = .0.display()
     )]
-    AlreadyHoldsCampaign {
-        /// Folder of the study.
-        dir: PathBuf,
-    },
+    AlreadyHoldsCampaign(PathBuf),
     /// The folder holds no campaign file.
-    #[error("folder {}: holds no study (no campaign.db); the folder of `coordinator run --out` is expected", dir.display())]
-    NoCampaign {
-        /// Folder of the study.
-        dir: PathBuf,
-    },
-    /// The file is not a campaign file.
-    #[error("{}: is not a campaign file of Hingewise", path.display())]
-    NotACampaign {
-        /// Path of the campaign file.
-        path: PathBuf,
-    },
+    #[error("folder {}: holds no study (no campaign.db); the folder of `coordinator run --out` is expected", .0.display())]
+    NoCampaign(PathBuf),
+    /// The file at this path is not a campaign file.
+    #[error("{}: is not a campaign file of Hingewise", .0.display())]
+    NotACampaign(PathBuf),
     /// The file has a layout that this program does not know, such as that of a later one.
     #[error(
-        "{}: has schema version {found}{} and this program, version {OURS}, reads versions {earliest} to {latest}",
+        "{}: has schema version {found}{} and this program, version {OURS}, reads versions {FROM} to {SCHEMA_VERSION}",
         path.display(), written_by(.program.as_deref())
     )]
     SchemaVersion {
@@ -56,10 +46,6 @@ pub enum StoreError {
         found: i64,
         /// Version of the program that wrote the file, if the layout still says so.
         program: Option<String>,
-        /// Earliest version that this program reads.
-        earliest: i64,
-        /// Latest version that this program reads, which it also writes.
-        latest: i64,
     },
     /// A recorded evaluation has a form that this program cannot read, although the layout is known.
     #[error(
@@ -77,31 +63,15 @@ pub enum StoreError {
         reason: OutcomeFault,
     },
     /// The folder cannot be created or locked.
-    #[error("output folder {}: {source}", dir.display())]
-    Folder {
-        /// Folder of the study.
-        dir: PathBuf,
-        /// Error of the operating system.
-        source: std::io::Error,
-    },
-    /// SQLite reports an error.
-    #[error("{}: {source}", path.display())]
-    Database {
-        /// Path of the campaign file.
-        path: PathBuf,
-        /// Error of SQLite.
-        source: rusqlite::Error,
-    },
-    /// A stored value cannot be decoded, or a value cannot be encoded.
-    #[error("{}: {what}: {reason}", path.display())]
-    Encoding {
-        /// Path of the campaign file.
-        path: PathBuf,
-        /// Name of the entry.
-        what: String,
-        /// Message of the encoder or decoder.
-        reason: String,
-    },
+    #[error("output folder {dir}: {1}", dir = .0.display())]
+    Folder(PathBuf, #[source] std::io::Error),
+    /// SQLite reports an error of the campaign file at this path.
+    #[error("{path}: {1}", path = .0.display())]
+    Database(PathBuf, #[source] rusqlite::Error),
+    /// A stored value of the campaign file at this path cannot be decoded, or a value cannot be encoded: name of the entry, and message of
+    /// the encoder or decoder.
+    #[error("{path}: {1}: {2}", path = .0.display())]
+    Encoding(PathBuf, String, String),
     /// A request has the number of an evaluation with another sample: the file belongs to another study.
     #[error(
         "{}: evaluation {id} was recorded with another {difference}; the file belongs to another study", path.display()
@@ -128,19 +98,20 @@ impl StoreError {
     /// True if the user named a wrong folder (exit code 2), false for other failures (exit code 1).
     pub fn is_bad_input(&self) -> bool {
         match self {
-            Self::InUse { .. }
-            | Self::AlreadyHoldsCampaign { .. }
-            | Self::NoCampaign { .. }
-            | Self::NotACampaign { .. }
-            | Self::SchemaVersion { .. }
-            | Self::Outcome { .. } => true,
-            Self::Folder { source, .. } => is_unusable_path(source),
-            Self::Database { source, .. } => matches!(
+            Self::Folder(_, source) => is_unusable_path(source),
+            Self::Database(_, source) => matches!(
                 source.sqlite_error_code(),
                 Some(ErrorCode::ReadOnly | ErrorCode::CannotOpen | ErrorCode::PermissionDenied)
             ),
-            Self::Encoding { .. } | Self::AnotherStudy { .. } | Self::WrongNumber { .. } => false,
+            other => {
+                !matches!(other, Self::Encoding(..) | Self::AnotherStudy { .. } | Self::WrongNumber { .. })
+            }
         }
+    }
+
+    /// What an error of SQLite is of the campaign file at `path`.
+    pub(super) fn of(path: &Path) -> impl Fn(rusqlite::Error) -> Self + Copy + '_ {
+        |source| Self::Database(path.into(), source)
     }
 }
 

@@ -4,36 +4,27 @@
 //! its outcome here as well, see [`super::leg`].
 
 use super::leg::free_number;
-use super::read::{COLUMNS, RawEvaluation};
+use super::read::COLUMNS;
 use super::{CampaignFile, StoreError, exact};
 use crate::farm::evaluate::{EvaluateError, EvaluationResult, Finished, Request};
 use crate::results::journal::Journal;
 use rusqlite::{OptionalExtension, params};
 
-/// The journal of further evaluations: requests are found by their samples, not by their numbers.
+/// The journal of further evaluations of the study in this file: requests are found by their samples, not by their numbers.
 #[derive(Debug)]
-pub struct FurtherEvaluations<'a> {
-    campaign: &'a mut CampaignFile,
-}
-
-impl<'a> FurtherEvaluations<'a> {
-    /// The further evaluations of a study.
-    pub fn of(campaign: &'a mut CampaignFile) -> Self {
-        Self { campaign }
-    }
-}
+pub struct FurtherEvaluations<'a>(pub &'a mut CampaignFile);
 
 impl Journal for FurtherEvaluations<'_> {
     fn finished(&mut self, request: &Request) -> Result<Option<Finished>, EvaluateError> {
-        Ok(self.campaign.find_sample(request)?)
+        Ok(self.0.find_sample(request)?)
     }
 
     fn record(&mut self, request: &Request, finished: &Finished) -> Result<(), EvaluateError> {
-        Ok(self.campaign.insert_further(request, finished)?)
+        Ok(self.0.insert_further(request, finished)?)
     }
 
     fn set_aside(&mut self, id: u64, reason: &str) -> Result<(), EvaluateError> {
-        self.campaign.set_aside(id, reason)
+        self.0.set_aside(id, reason)
     }
 }
 
@@ -68,9 +59,8 @@ impl CampaignFile {
     ) -> Result<(), StoreError> {
         let column = self.level_column();
         let rest = format!("WHERE stricter < 2 AND {column} {level} ORDER BY id < 0, abs(id)");
-        self.each_row(&rest, |row| {
-            let (sample, outcome) = self.decoded(&row)?;
-            visit(row.level, sample, outcome);
+        self.each(&rest, |stored| {
+            visit(stored.level, stored.sample, stored.outcome);
             Ok(())
         })
     }
@@ -84,20 +74,16 @@ impl CampaignFile {
         // Of an outlier, the evaluation after those that are known.
         let of_request = params![sample, request.is_stricter(), request.level, request.not_by.len() as i64];
         let found = self.query(|connection| {
-            connection.prepare_cached(&sql)?.query_row(of_request, RawEvaluation::read).optional()
+            connection.prepare_cached(&sql)?.query_row(of_request, |row| row.try_into()).optional()
         })?;
-        let Some(RawEvaluation { id, outcome, worker, wall, .. }) = found else { return Ok(None) };
-        Ok(Some(Finished { id: request.id, outcome: self.outcome(id, &outcome)?, worker, wall }))
+        found.map(|row| self.recalled(row, request.id)).transpose()
     }
 
     /// Records an outcome under the first free number below zero.
     fn insert_further(&self, request: &Request, finished: &Finished) -> Result<(), StoreError> {
         let outcome = self.encoded(request, finished)?;
-        self.query(|connection| {
-            let transaction = connection.unchecked_transaction()?;
-            let number = free_number(&transaction)?;
-            self.write(&transaction, number, request, finished, &outcome)?;
-            transaction.commit()
+        self.transact(|transaction| {
+            self.write(transaction, free_number(transaction)?, request, finished, &outcome)
         })
     }
 }

@@ -12,7 +12,7 @@ fn further_evaluations_are_kept_and_leave_the_study_alone() {
     let dir = tempfile::tempdir().unwrap();
     let mut file = CampaignFile::create(dir.path(), &meta(), &scene()).unwrap();
     record(&mut file, 0..3);
-    let mut further = FurtherEvaluations::of(&mut file);
+    let mut further = FurtherEvaluations(&mut file);
     // A sample of the study is not simulated again; a finer repetition is another evaluation.
     assert_eq!(further.finished(&Request { id: 90, ..request(1) }).unwrap().unwrap().id, 90);
     let finer = Request { id: 93, accuracy: Some(Accuracy::default()), ..request(1) };

@@ -1,8 +1,8 @@
 //! Writing of a campaign file: the journal of the study, and the results at its end.
 
 use super::exact::OutcomeFault;
-use super::read::{COLUMNS, RawEvaluation};
-use super::value_tables::{insert_statement, states_errors, write_rows, write_stated_errors};
+use super::read::{COLUMNS, EvaluationColumns};
+use super::value_tables::{insert_statement, states_errors, write_rows};
 use super::{CampaignFile, StoreError, exact};
 use crate::farm::evaluate::{EvaluateError, Finished, Request};
 use crate::results::journal::Journal;
@@ -48,8 +48,7 @@ impl Journal for CampaignFile {
     }
 
     fn note_round(&mut self, round: &Round) -> Result<(), EvaluateError> {
-        let json = serde_json::to_string(round)
-            .map_err(|error| self.encoding(format!("round {}", round.round), error))?;
+        let json = self.in_json(&format!("round {}", round.round), round)?;
         let sql = "INSERT OR REPLACE INTO learning_round (round, evaluations, noted_at, json)
                    VALUES (?1, ?2, strftime('%Y-%m-%dT%H:%M:%fZ', 'now'), ?3)";
         let (number, evaluations) = (round.round as i64, round.evaluations as i64);
@@ -62,7 +61,7 @@ impl Journal for CampaignFile {
     }
 
     fn note_times(&mut self, times: &Timing) -> Result<(), EvaluateError> {
-        let text = serde_json::to_string(times).map_err(|error| self.encoding("times", error))?;
+        let text = self.in_json("times", times)?;
         let sql = "INSERT OR REPLACE INTO campaign (key, value) VALUES ('times', ?1)";
         self.query(|connection| connection.execute(sql, [text]))?;
         Ok(())
@@ -76,7 +75,7 @@ impl CampaignFile {
         match self.find(request) {
             Err(StoreError::AnotherStudy { .. }) | Ok(None) if request.id > 0 => {
                 let sample = exact::sample_to_bytes(&request.sample);
-                self.move_to(to_key(request.id), &sample, (request.is_stricter(), request.level))?;
+                self.move_to(to_key(request.id), &sample, request)?;
                 self.find(request)
             }
             found => found,
@@ -86,23 +85,21 @@ impl CampaignFile {
     /// The outcome recorded under the number of a request.
     fn find(&self, request: &Request) -> Result<Option<Finished>, StoreError> {
         let sql = format!("SELECT {COLUMNS}, with_first_cycle, stricter FROM evaluation WHERE id = ?1");
-        let read = |row: &Row<'_>| Ok((RawEvaluation::read(row)?, row.get(7)?, row.get(8)?));
-        let found: Option<(RawEvaluation, bool, bool)> = self.query(|connection| {
+        let read = |row: &Row<'_>| Ok((row.try_into()?, row.get(7)?, row.get(8)?));
+        let found: Option<(EvaluationColumns, bool, bool)> = self.query(|connection| {
             connection.prepare_cached(&sql)?.query_row([to_key(request.id)], read).optional()
         })?;
-        let Some((found, with_first_cycle, is_stricter)) = found else { return Ok(None) };
-        let another = |difference| StoreError::AnotherStudy { path: self.path(), id: request.id, difference };
-        if found.sample != exact::sample_to_bytes(&request.sample) {
-            return Err(another("sample"));
+        let Some((row, with_first_cycle, is_stricter)) = found else { return Ok(None) };
+        let (_, sample, .., level) = &row;
+        let differences = [
+            (*sample != exact::sample_to_bytes(&request.sample), "sample"),
+            (with_first_cycle != request.with_first_cycle, "wish for the first cycle"),
+            (is_stricter != request.is_stricter() || *level != request.level, "accuracy"),
+        ];
+        if let Some((_, difference)) = differences.into_iter().find(|(differ, _)| *differ) {
+            return Err(StoreError::AnotherStudy { path: self.path(), id: request.id, difference });
         }
-        if with_first_cycle != request.with_first_cycle {
-            return Err(another("wish for the first cycle"));
-        }
-        if is_stricter != request.is_stricter() || found.level != request.level {
-            return Err(another("accuracy"));
-        }
-        let outcome = self.outcome(found.id, &found.outcome)?;
-        Ok(Some(Finished { id: request.id, outcome, worker: found.worker, wall: found.wall }))
+        self.recalled(row, request.id).map(Some)
     }
 
     /// Records all outcomes in one transaction, or none; of two outcomes of one request, the first one stays.
@@ -112,8 +109,11 @@ impl CampaignFile {
     ) -> Result<(), StoreError> {
         let transaction = self.query(Connection::unchecked_transaction)?;
         for (request, finished) in outcomes {
-            if let Some(outcome) = self.checked(request, finished)? {
-                let key = to_key(request.id);
+            if request.id != finished.id {
+                return Err(StoreError::WrongNumber { request: request.id, outcome: finished.id });
+            }
+            if self.find(request)?.is_none() {
+                let (key, outcome) = (to_key(request.id), self.encoded(request, finished)?);
                 self.query(|_| self.write(&transaction, key, request, finished, &outcome))?;
             }
         }
@@ -132,43 +132,27 @@ impl CampaignFile {
         self.query(|connection| connection.query_row(pragma, [], |_| Ok(())))
     }
 
-    /// The outcome's exact bytes, if it fits the scene; `None` if one is recorded already.
-    fn checked(&self, request: &Request, finished: &Finished) -> Result<Option<Vec<u8>>, StoreError> {
-        if request.id != finished.id {
-            return Err(StoreError::WrongNumber { request: request.id, outcome: finished.id });
-        }
-        if self.find(request)?.is_some() {
-            return Ok(None);
-        }
-        self.encoded(request, finished).map(Some)
-    }
-
     /// The outcome's exact bytes, if it fits the scene. Of an evaluation without its first cycle the bores at the end of life are left out:
     /// they would be half of a campaign file, and results are made of histories.
     pub(super) fn encoded(&self, request: &Request, finished: &Finished) -> Result<Vec<u8>, StoreError> {
-        let what = || format!("evaluation {}", request.id);
-        if request.sample.len() != self.inputs.len() {
-            let reason = format!("{} values for {} variables", request.sample.len(), self.inputs.len());
-            return Err(self.encoding(what(), reason));
-        }
-        if let Ok(evaluation) = &finished.outcome {
-            let histories = &evaluation.histories;
-            let fits = histories.len() == self.outputs.len()
-                && histories.iter().all(|history| history.len() == evaluation.cycles.len());
-            if !fits {
-                return Err(self.encoding(what(), "its histories do not fit the scene's outputs"));
-            }
-            if !states_errors(evaluation) && !evaluation.errors.is_empty() {
-                return Err(self.encoding(what(), "its stated errors do not fit its histories"));
-            }
-        }
+        let (given, wanted) = (request.sample.len(), self.inputs.len());
         let bytes = match &finished.outcome {
+            _ if given != wanted => Err(format!("{given} values for {wanted} variables")),
+            Ok(Evaluation { histories, cycles, .. })
+                if histories.len() != self.outputs.len()
+                    || histories.iter().any(|history| history.len() != cycles.len()) =>
+            {
+                Err("its histories do not fit the scene's outputs".to_owned())
+            }
+            Ok(evaluation) if !states_errors(evaluation) && !evaluation.errors.is_empty() => {
+                Err("its stated errors do not fit its histories".to_owned())
+            }
             Ok(evaluation) if !request.with_first_cycle && !evaluation.joints.is_empty() => {
                 exact::outcome_to_bytes(&Ok(Evaluation { joints: vec![], ..evaluation.clone() }))
             }
             outcome => exact::outcome_to_bytes(outcome),
         };
-        bytes.map_err(|reason| self.encoding(what(), reason))
+        bytes.map_err(|reason| self.encoding(format!("evaluation {}", request.id), reason))
     }
 
     /// Writes an evaluation under the number `key`.
@@ -201,10 +185,17 @@ impl CampaignFile {
         let sql = insert_statement("input", "evaluation", &self.inputs);
         transaction.prepare_cached(&sql)?.execute(params_from_iter(values))?;
         if let Ok(evaluation) = &finished.outcome {
-            write_rows(transaction, "output", &self.outputs, key, &evaluation.cycles, &evaluation.histories)?;
-            write_stated_errors(transaction, &self.outputs, key, evaluation)?;
+            let Evaluation { cycles, histories, errors, .. } = evaluation;
+            write_rows(transaction, "output", &self.outputs, key, cycles, histories)?;
+            if states_errors(evaluation) {
+                write_rows(transaction, "output_error", &self.outputs, key, cycles, errors)?;
+            }
         }
         Ok(())
+    }
+
+    fn in_json<T: Serialize>(&self, name: &str, value: &T) -> Result<String, StoreError> {
+        serde_json::to_string(value).map_err(|error| self.encoding(name, error))
     }
 
     /// Stores a result document as JSON under a name, e.g. `summary`; a document of that name is replaced.
@@ -212,7 +203,7 @@ impl CampaignFile {
     /// # Errors
     /// [`StoreError`].
     pub fn put_document<T: Serialize>(&mut self, name: &str, document: &T) -> Result<(), StoreError> {
-        let json = serde_json::to_string(document).map_err(|error| self.encoding(name, error))?;
+        let json = self.in_json(name, document)?;
         let sql = "INSERT OR REPLACE INTO document (name, written_at, json)
                    VALUES (?1, strftime('%Y-%m-%dT%H:%M:%fZ', 'now'), ?2)";
         self.query(|connection| connection.execute(sql, (name, json)))?;

@@ -6,7 +6,8 @@
 
 use super::schema::insert_leg;
 use super::{CampaignFile, StoreError};
-use rusqlite::{Connection, OptionalExtension, params};
+use crate::farm::evaluate::Request;
+use rusqlite::{Connection, OptionalExtension, Transaction, params};
 use serde_json::Value;
 
 /// Tables with the number of an evaluation, and the column that holds it.
@@ -38,49 +39,31 @@ impl CampaignFile {
     pub fn begin_leg(&mut self, settings: Value, command: &str, version: &str) -> Result<(), StoreError> {
         let evaluations = self.count()?;
         let text = settings.to_string();
-        self.query(|connection| {
-            let transaction = connection.unchecked_transaction()?;
-            insert_leg(&transaction, evaluations, [&text, command, version])?;
+        self.transact(|transaction| {
+            insert_leg(transaction, evaluations, [&text, command, version])?;
             transaction.execute("UPDATE campaign SET value = ?1 WHERE key = 'settings'", [&text])?;
-            transaction.execute_batch("DELETE FROM document; DELETE FROM learning_round;")?;
-            transaction.commit()
+            transaction.execute_batch("DELETE FROM document; DELETE FROM learning_round;")
         })?;
         self.meta.settings = settings;
         Ok(())
     }
 
-    /// The legs of the campaign, the first one included; a file that has never been opened for writing since legs were
-    /// introduced has none.
+    /// The legs of the campaign, the first one included.
     ///
     /// # Errors
     /// [`StoreError`].
     pub fn legs(&self) -> Result<Vec<Leg>, StoreError> {
-        let rows: Vec<(Leg, String)> = self.query(|connection| {
-            let known = "SELECT count(*) > 0 FROM sqlite_schema WHERE name = 'leg'";
-            if !connection.query_row(known, [], |row| row.get::<_, bool>(0))? {
-                return Ok(vec![]);
-            }
-            let sql =
-                "SELECT number, started_at, evaluations, settings, command, version FROM leg ORDER BY number";
-            let mut statement = connection.prepare(sql)?;
-            let rows = statement.query_map([], |row| {
-                let leg = Leg {
-                    number: row.get(0)?,
-                    started_at: row.get(1)?,
-                    evaluations: row.get::<_, i64>(2)?.unsigned_abs() as usize,
-                    settings: Value::Null,
-                    command: row.get(4)?,
-                    version: row.get(5)?,
-                };
-                Ok((leg, row.get(3)?))
-            })?;
-            rows.collect()
-        })?;
-        let with_settings = |(leg, settings): (Leg, String)| {
+        type Columns = (u32, String, i64, String, String, String);
+        let sql =
+            "SELECT number, started_at, evaluations, settings, command, version FROM leg ORDER BY number";
+        let rows: Vec<Columns> =
+            self.query(|connection| connection.prepare(sql)?.query_map([], |row| row.try_into())?.collect())?;
+        let leg = |(number, started_at, evaluations, settings, command, version): Columns| {
             let settings = serde_json::from_str(&settings).map_err(|error| self.encoding("leg", error))?;
-            Ok(Leg { settings, ..leg })
+            let evaluations = evaluations.unsigned_abs() as usize;
+            Ok(Leg { number, started_at, evaluations, settings, command, version })
         };
-        rows.into_iter().map(with_settings).collect()
+        rows.into_iter().map(leg).collect()
     }
 
     /// Removes the failed evaluations of a study in which none has succeeded: its cause may be gone, and there is nothing
@@ -89,16 +72,12 @@ impl CampaignFile {
     /// # Errors
     /// [`StoreError`].
     pub fn forget_failed_start(&mut self) -> Result<(), StoreError> {
-        self.query(|connection| {
-            let transaction = connection.unchecked_transaction()?;
+        self.transact(|transaction| {
             // What was set aside is below zero, and has the tables of its values.
             let failed = "SELECT count(*) > 0 AND count(*) = count(failure) FROM evaluation WHERE id >= 0";
-            if transaction.query_row(failed, [], |row| row.get::<_, bool>(0))? {
-                transaction.execute_batch(
-                    "DELETE FROM input WHERE evaluation >= 0; DELETE FROM evaluation WHERE id >= 0;",
-                )?;
-            }
-            transaction.commit()
+            let is_failed: bool = transaction.query_row(failed, [], |row| row.get(0))?;
+            let forget = "DELETE FROM input WHERE evaluation >= 0; DELETE FROM evaluation WHERE id >= 0;";
+            if is_failed { transaction.execute_batch(forget) } else { Ok(()) }
         })
     }
 
@@ -107,17 +86,11 @@ impl CampaignFile {
     /// # Errors
     /// [`StoreError`].
     pub(super) fn set_aside_from(&mut self, requests: i64) -> Result<(), StoreError> {
-        self.query(|connection| {
-            let transaction = begin_renumbering(connection)?;
-            let sql = "SELECT id FROM evaluation WHERE id >= ?1";
-            let unused: Vec<i64> = transaction
-                .prepare(sql)?
-                .query_map([requests], |row| row.get(0))?
-                .collect::<Result<_, _>>()?;
-            for id in unused {
-                renumber(&transaction, id, free_number(&transaction)?)?;
-            }
-            transaction.commit()
+        self.transact(|transaction| {
+            let mut unused = transaction.prepare("SELECT id FROM evaluation WHERE id >= ?1")?;
+            let unused: Vec<i64> =
+                unused.query_map([requests], |row| row.get(0))?.collect::<Result<_, _>>()?;
+            unused.into_iter().try_for_each(|id| renumber(transaction, id, free_number(transaction)?))
         })
     }
 
@@ -127,13 +100,11 @@ impl CampaignFile {
     /// # Errors
     /// [`StoreError`].
     pub(super) fn set_misfit_aside(&mut self, id: i64, reason: &str) -> Result<(), StoreError> {
-        self.query(|connection| {
-            let transaction = begin_renumbering(connection)?;
-            let number = free_number(&transaction)?;
-            renumber(&transaction, id, number)?;
+        self.transact(|transaction| {
+            let number = free_number(transaction)?;
+            renumber(transaction, id, number)?;
             let sql = "UPDATE evaluation SET failure = ?2, stricter = 2 WHERE id = ?1";
-            transaction.execute(sql, params![number, reason])?;
-            transaction.commit()
+            transaction.execute(sql, params![number, reason]).map(drop)
         })
     }
 
@@ -156,14 +127,10 @@ impl CampaignFile {
     ///
     /// # Errors
     /// [`StoreError`].
-    pub(super) fn move_to(
-        &mut self,
-        id: i64,
-        sample: &[u8],
-        (is_stricter, level): (bool, u8),
-    ) -> Result<(), StoreError> {
-        self.query(|connection| {
-            let found: Option<i64> = connection
+    pub(super) fn move_to(&mut self, id: i64, sample: &[u8], request: &Request) -> Result<(), StoreError> {
+        let (is_stricter, level) = (request.is_stricter(), request.level);
+        self.transact(|transaction| {
+            let found: Option<i64> = transaction
                 .prepare_cached(
                     "SELECT id FROM (
                        SELECT id FROM evaluation WHERE id > ?1 AND sample = ?2 AND stricter = ?3 AND level = ?4
@@ -173,27 +140,26 @@ impl CampaignFile {
                 .query_row(params![id, sample, is_stricter, level], |row| row.get(0))
                 .optional()?;
             let occupied = "SELECT count(*) > 0 FROM evaluation WHERE id = ?1";
-            let occupied: bool = connection.prepare_cached(occupied)?.query_row([id], |row| row.get(0))?;
-            if found.is_none() && !occupied {
-                return Ok(());
-            }
-            let transaction = begin_renumbering(connection)?;
+            let occupied: bool = transaction.prepare_cached(occupied)?.query_row([id], |row| row.get(0))?;
             if occupied {
-                renumber(&transaction, id, free_number(&transaction)?)?;
+                renumber(transaction, id, free_number(transaction)?)?;
             }
-            if let Some(found) = found {
-                renumber(&transaction, found, id)?;
-            }
+            found.map_or(Ok(()), |found| renumber(transaction, found, id))
+        })
+    }
+
+    /// Acts in one transaction, in which rows of a table may refer to a number that follows later.
+    pub(super) fn transact(
+        &self,
+        act: impl FnOnce(&Transaction<'_>) -> rusqlite::Result<()>,
+    ) -> Result<(), StoreError> {
+        self.query(|connection| {
+            let transaction = connection.unchecked_transaction()?;
+            transaction.execute_batch("PRAGMA defer_foreign_keys = ON")?;
+            act(&transaction)?;
             transaction.commit()
         })
     }
-}
-
-/// A transaction in which rows of a table may refer to a number that follows later.
-fn begin_renumbering(connection: &Connection) -> rusqlite::Result<rusqlite::Transaction<'_>> {
-    let transaction = connection.unchecked_transaction()?;
-    transaction.execute_batch("PRAGMA defer_foreign_keys = ON")?;
-    Ok(transaction)
 }
 
 /// The first free number below zero.

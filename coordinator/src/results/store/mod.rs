@@ -33,7 +33,7 @@ pub use read::StoredEvaluation;
 
 use crate::farm::evaluate::EvaluationResult;
 use common::scene::Scene;
-use connection::{AfterReading, ReadConnection, connect, connect_read_only};
+use connection::{Held, connect, connect_read_only, named};
 use rusqlite::{Connection, OpenFlags};
 use serde::{Deserialize, Serialize};
 use std::fs::{File, TryLockError};
@@ -75,34 +75,23 @@ pub struct CampaignFile {
     _held: Held,
 }
 
-/// What an open campaign file holds besides its connection.
-#[derive(Debug)]
-#[allow(dead_code)] // kept for its Drop
-enum Held {
-    /// The lock of the folder: the file is open for writing.
-    Lock(File),
-    /// What reading leaves behind.
-    Reader(AfterReading),
-}
-
 impl CampaignFile {
     /// Starts a campaign in `dir`, which is created if missing.
     ///
     /// # Errors
     /// [`StoreError::InUse`], [`StoreError::AlreadyHoldsCampaign`], or what the file system or SQLite report.
     pub fn create(dir: &Path, meta: &CampaignMeta, scene: &Scene) -> Result<Self, StoreError> {
-        std::fs::create_dir_all(dir).map_err(|source| StoreError::Folder { dir: dir.into(), source })?;
+        std::fs::create_dir_all(dir).map_err(|source| StoreError::Folder(dir.into(), source))?;
         let lock = lock(dir)?;
         let path = dir.join(FILE_NAME);
         // A process killed before its first commit leaves an empty file, which holds no campaign.
         if path.exists() && !is_empty_database(&path)? {
-            return Err(StoreError::AlreadyHoldsCampaign { dir: dir.into() });
+            return Err(StoreError::AlreadyHoldsCampaign(dir.into()));
         }
-        let mut connection =
-            connect(&path, OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_CREATE)?;
-        make_durable(&connection)
-            .and_then(|()| start(&mut connection, meta, scene))
-            .map_err(|source| StoreError::Database { path: path.clone(), source })?;
+        let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_CREATE;
+        let mut connection = connect(&path, flags)?;
+        let started = make_durable(&connection).and_then(|()| start(&mut connection, meta, scene));
+        started.map_err(StoreError::of(&path))?;
         Self::from_connection(dir, connection, lock)
     }
 
@@ -115,7 +104,7 @@ impl CampaignFile {
         let path = campaign_path(dir)?;
         let lock = lock(dir)?;
         if is_empty_database(&path)? {
-            return Err(StoreError::NoCampaign { dir: dir.into() });
+            return Err(StoreError::NoCampaign(dir.into()));
         }
         let connection = connect(&path, OpenFlags::SQLITE_OPEN_READ_WRITE)?;
         Self::from_connection(dir, connection, lock)
@@ -129,62 +118,57 @@ impl CampaignFile {
     /// Those of [`CampaignFile::open`], but for a file in use.
     pub fn look(dir: &Path) -> Result<Self, StoreError> {
         let path = campaign_path(dir)?;
-        let ReadConnection { connection, after } = connect_read_only(&path)?;
+        let (connection, held) = connect_read_only(&path)?;
         if has_no_table(&path, &connection)? {
-            return Err(StoreError::NoCampaign { dir: dir.into() });
+            return Err(StoreError::NoCampaign(dir.into()));
         }
-        version(&path, &connection)?;
+        layout(&path, &connection)?;
         // A temporary table goes before one of the file.
         let own = format!(
             "PRAGMA temp_store = MEMORY; CREATE TEMP TABLE {}; INSERT INTO temp.document SELECT * FROM main.document;",
             schema::DOCUMENT
         );
-        connection.execute_batch(&own).map_err(|source| StoreError::Database { path, source })?;
-        Self::read(dir, connection, Held::Reader(after))
+        connection.execute_batch(&own).map_err(StoreError::of(&path))?;
+        Self::read(dir, connection, held)
     }
 
     fn from_connection(dir: &Path, mut connection: Connection, lock: File) -> Result<Self, StoreError> {
         let path = dir.join(FILE_NAME);
-        let found = version(&path, &connection)?;
-        if found < schema::SCHEMA_VERSION {
-            migration::migrate(&path, &mut connection, found)?;
+        if layout(&path, &connection)? < schema::SCHEMA_VERSION {
+            migration::migrate(&mut connection).map_err(StoreError::of(&path))?;
         }
-        make_durable(&connection).map_err(|source| StoreError::Database { path, source })?;
+        make_durable(&connection).map_err(StoreError::of(&path))?;
         Self::read(dir, connection, Held::Lock(lock))
     }
 
     fn read(dir: &Path, connection: Connection, held: Held) -> Result<Self, StoreError> {
         let path = dir.join(FILE_NAME);
-        let failed = |source| StoreError::Database { path: path.clone(), source };
+        let failed = StoreError::of(&path);
         let value = |key: &str| -> Result<String, StoreError> {
-            connection
-                .query_row("SELECT value FROM campaign WHERE key = ?1", [key], |row| row.get(0))
-                .map_err(failed)
+            let sql = "SELECT value FROM campaign WHERE key = ?1";
+            connection.query_row(sql, [key], |row| row.get(0)).map_err(failed)
         };
-        let settings = value("settings")?;
+        let unread = |error: serde_json::Error| {
+            StoreError::Encoding(path.clone(), "settings".into(), error.to_string())
+        };
+        let settings = serde_json::from_str(&value("settings")?).map_err(unread)?;
+        let [scene, scene_source, command, version] =
+            ["scene", "scene_source", "command", "version"].map(value);
         let meta = CampaignMeta {
-            scene: value("scene")?,
-            scene_source: value("scene_source")?,
-            settings: serde_json::from_str(&settings).map_err(|error| StoreError::Encoding {
-                path: path.clone(),
-                what: "settings".into(),
-                reason: error.to_string(),
-            })?,
-            command: value("command")?,
-            version: value("version")?,
+            scene: scene?,
+            scene_source: scene_source?,
+            settings,
+            command: command?,
+            version: version?,
         };
-        let created_at = value("created_at")?;
-        let inputs = value_tables::table_columns(&connection, "input").map_err(failed)?;
-        let outputs = value_tables::table_columns(&connection, "output").map_err(failed)?;
-        let has_levels = version(&path, &connection)? == schema::SCHEMA_VERSION;
         Ok(Self {
-            connection,
             dir: dir.into(),
             meta,
-            created_at,
-            inputs,
-            outputs,
-            has_levels,
+            created_at: value("created_at")?,
+            inputs: value_tables::table_columns(&connection, "input").map_err(failed)?,
+            outputs: value_tables::table_columns(&connection, "output").map_err(failed)?,
+            has_levels: layout(&path, &connection)? == schema::SCHEMA_VERSION,
+            connection,
             log_written: None,
             _held: held,
         })
@@ -214,22 +198,17 @@ impl CampaignFile {
         &'a self,
         ask: impl FnOnce(&'a Connection) -> rusqlite::Result<T>,
     ) -> Result<T, StoreError> {
-        ask(&self.connection).map_err(|source| StoreError::Database { path: self.path(), source })
+        ask(&self.connection).map_err(|source| StoreError::Database(self.path(), source))
     }
 
     /// The outcome of evaluation `id` from its bytes.
     fn outcome(&self, id: i64, bytes: &[u8]) -> Result<EvaluationResult, StoreError> {
-        let program = || self.meta.version.clone();
-        exact::outcome_from_bytes(bytes).map_err(|reason| StoreError::Outcome {
-            path: self.path(),
-            id,
-            program: program(),
-            reason,
-        })
+        let (path, program) = (self.path(), self.meta.version.clone());
+        exact::outcome_from_bytes(bytes).map_err(|reason| StoreError::Outcome { path, id, program, reason })
     }
 
     fn encoding(&self, what: impl Into<String>, reason: impl ToString) -> StoreError {
-        StoreError::Encoding { path: self.path(), what: what.into(), reason: reason.to_string() }
+        StoreError::Encoding(self.path(), what.into(), reason.to_string())
     }
 }
 
@@ -239,9 +218,9 @@ fn campaign_path(dir: &Path) -> Result<PathBuf, StoreError> {
     match std::fs::metadata(&path) {
         Ok(file) if file.is_file() => Ok(path),
         Err(source) if source.kind() == std::io::ErrorKind::PermissionDenied => {
-            Err(StoreError::Folder { dir: dir.into(), source })
+            Err(StoreError::Folder(dir.into(), source))
         }
-        _ => Err(StoreError::NoCampaign { dir: dir.into() }),
+        _ => Err(StoreError::NoCampaign(dir.into())),
     }
 }
 
@@ -253,14 +232,14 @@ pub fn is_running(dir: &Path) -> bool {
 
 /// Locks the folder for this process; fails at once if it is locked.
 fn lock(dir: &Path) -> Result<File, StoreError> {
-    let folder = |source| StoreError::Folder { dir: dir.into(), source };
-    let file =
-        File::options().create(true).truncate(false).write(true).open(dir.join(LOCK_NAME)).map_err(folder)?;
-    match file.try_lock() {
-        Ok(()) => Ok(file),
-        Err(TryLockError::WouldBlock) => Err(StoreError::InUse { dir: dir.into() }),
-        Err(TryLockError::Error(source)) => Err(folder(source)),
-    }
+    let folder = |source| StoreError::Folder(dir.into(), source);
+    let mut options = File::options();
+    let file = options.create(true).truncate(false).write(true).open(dir.join(LOCK_NAME)).map_err(folder)?;
+    file.try_lock().map_err(|error| match error {
+        TryLockError::WouldBlock => StoreError::InUse(dir.into()),
+        TryLockError::Error(source) => folder(source),
+    })?;
+    Ok(file)
 }
 
 /// Some network file systems have no write-ahead log; SQLite then stays with its rollback journal, which is as
@@ -276,12 +255,8 @@ fn is_empty_database(path: &Path) -> Result<bool, StoreError> {
 }
 
 fn has_no_table(path: &Path, connection: &Connection) -> Result<bool, StoreError> {
-    connection.query_row("SELECT count(*) = 0 FROM sqlite_schema", [], |row| row.get(0)).map_err(|source| {
-        if source.sqlite_error_code() == Some(rusqlite::ErrorCode::NotADatabase) {
-            return StoreError::NotACampaign { path: path.into() };
-        }
-        StoreError::Database { path: path.into(), source }
-    })
+    let found = connection.query_row("SELECT count(*) = 0 FROM sqlite_schema", [], |row| row.get(0));
+    found.map_err(|source| named(path, StoreError::of(path)(source)))
 }
 
 /// Tables and metadata in one transaction: a campaign exists whole or not at all.
@@ -307,23 +282,19 @@ fn start(connection: &mut Connection, meta: &CampaignMeta, scene: &Scene) -> rus
 }
 
 /// Version of the layout, one that this program reads.
-fn version(path: &Path, connection: &Connection) -> Result<i64, StoreError> {
+fn layout(path: &Path, connection: &Connection) -> Result<i64, StoreError> {
     let pragma = |name: &str| {
-        connection
-            .query_row(&format!("PRAGMA {name}"), [], |row| row.get::<_, i64>(0))
-            .map_err(|source| StoreError::Database { path: path.into(), source })
+        let sql = format!("PRAGMA {name}");
+        connection.query_row(&sql, [], |row| row.get::<_, i64>(0)).map_err(StoreError::of(path))
     };
     if pragma("application_id")? != schema::APPLICATION_ID {
-        return Err(StoreError::NotACampaign { path: path.into() });
+        return Err(StoreError::NotACampaign(path.into()));
     }
     match pragma("user_version")? {
         known @ migration::FROM..=schema::SCHEMA_VERSION => Ok(known),
-        found => Err(StoreError::SchemaVersion {
-            path: path.into(),
-            found,
-            program: schema::program_version(connection),
-            earliest: migration::FROM,
-            latest: schema::SCHEMA_VERSION,
-        }),
+        found => {
+            let program = schema::program_version(connection);
+            Err(StoreError::SchemaVersion { path: path.into(), found, program })
+        }
     }
 }

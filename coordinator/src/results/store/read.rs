@@ -1,16 +1,16 @@
 //! Reading a campaign back: evaluations for the result files, documents for the report.
 
 use super::{CampaignFile, StoreError, exact};
-use crate::farm::evaluate::EvaluationResult;
+use crate::farm::evaluate::{EvaluationResult, Finished};
 use crate::results::summary::Round;
-use rusqlite::{OptionalExtension, Row};
+use rusqlite::OptionalExtension;
 use serde::de::DeserializeOwned;
 
 /// One recorded evaluation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StoredEvaluation {
-    /// Number of the evaluation.
-    pub id: u64,
+    /// Number of the evaluation, below zero if it is no part of the study's result.
+    pub id: i64,
     /// Level of accuracy in its study, 0 for the working accuracy.
     pub level: u8,
     /// Values of the random variables `(d,)`, SI.
@@ -25,34 +25,11 @@ pub struct StoredEvaluation {
     pub finished_at: String,
 }
 
-/// Columns of [`RawEvaluation`] in the present layout.
+/// Columns of [`EvaluationColumns`] in the present layout.
 pub(super) const COLUMNS: &str = "id, sample, outcome, worker, coalesce(wall_s, 0.0), finished_at, level";
 
 /// A row of the table `evaluation`.
-pub(super) struct RawEvaluation {
-    pub id: i64,
-    pub sample: Vec<u8>,
-    pub outcome: Vec<u8>,
-    pub worker: String,
-    pub wall: f64,
-    finished_at: String,
-    pub level: u8,
-}
-
-impl RawEvaluation {
-    /// Reads the row of a query for [`COLUMNS`].
-    pub fn read(row: &Row<'_>) -> rusqlite::Result<Self> {
-        Ok(Self {
-            id: row.get(0)?,
-            sample: row.get(1)?,
-            outcome: row.get(2)?,
-            worker: row.get(3)?,
-            wall: row.get(4)?,
-            finished_at: row.get(5)?,
-            level: row.get(6)?,
-        })
-    }
-}
+pub(super) type EvaluationColumns = (i64, Vec<u8>, Vec<u8>, String, f64, String, u8);
 
 impl CampaignFile {
     /// Number of recorded evaluations, those of finer levels included.
@@ -76,9 +53,9 @@ impl CampaignFile {
         if self.has_levels { "level" } else { "0" }
     }
 
-    /// The columns of [`RawEvaluation`] in this file.
-    fn columns(&self) -> String {
-        COLUMNS.replace("level", self.level_column())
+    /// A query for the columns of evaluations; `rest` is what follows the name of the table.
+    fn evaluations(&self, rest: &str) -> String {
+        format!("SELECT {} FROM evaluation {rest}", COLUMNS.replace("level", self.level_column()))
     }
 
     /// Number of recorded evaluations that failed.
@@ -101,10 +78,10 @@ impl CampaignFile {
     /// [`StoreError`].
     pub fn evaluation(&self, id: u64) -> Result<Option<StoredEvaluation>, StoreError> {
         let Ok(key) = i64::try_from(id) else { return Ok(None) };
-        let sql = format!("SELECT {} FROM evaluation WHERE id = ?1", self.columns());
+        let sql = self.evaluations("WHERE id = ?1");
         let found =
-            self.query(|connection| connection.query_row(&sql, [key], RawEvaluation::read).optional())?;
-        found.map(|row| self.decode(row)).transpose()
+            self.query(|connection| connection.query_row(&sql, [key], |row| row.try_into()).optional())?;
+        found.map(|row| self.decoded(row)).transpose()
     }
 
     /// Calls `visit` on every recorded evaluation in the order of their numbers, one in memory at a time.
@@ -113,39 +90,40 @@ impl CampaignFile {
     /// [`StoreError`], or the first error of `visit`.
     pub fn for_each<E: From<StoreError>>(
         &self,
-        mut visit: impl FnMut(StoredEvaluation) -> Result<(), E>,
+        visit: impl FnMut(StoredEvaluation) -> Result<(), E>,
     ) -> Result<(), E> {
-        self.each_row("WHERE id >= 0 ORDER BY id", |row| visit(self.decode(row)?))
+        self.each("WHERE id >= 0 ORDER BY id", visit)
     }
 
     /// Calls `visit` on the rows of a query, one in memory at a time; `rest` is what follows the name of the table.
-    pub(super) fn each_row<E: From<StoreError>>(
+    pub(super) fn each<E: From<StoreError>>(
         &self,
         rest: &str,
-        mut visit: impl FnMut(RawEvaluation) -> Result<(), E>,
+        mut visit: impl FnMut(StoredEvaluation) -> Result<(), E>,
     ) -> Result<(), E> {
-        let sql = format!("SELECT {} FROM evaluation {rest}", self.columns());
+        let sql = self.evaluations(rest);
         let mut statement = self.query(|connection| connection.prepare(&sql))?;
-        let mut rows = self.query(|_| statement.query_map([], RawEvaluation::read))?;
+        let mut rows = self.query(|_| statement.query_map([], |row| row.try_into()))?;
         while let Some(row) = self.query(|_| rows.next().transpose())? {
-            visit(row)?;
+            visit(self.decoded(row)?)?;
         }
         Ok(())
     }
 
-    /// Sample and outcome of a row.
-    pub(super) fn decoded(&self, row: &RawEvaluation) -> Result<(Vec<f64>, EvaluationResult), StoreError> {
-        let sample = exact::sample_from_bytes(&row.sample);
-        let what = || format!("sample of evaluation {}", row.id);
+    /// The evaluation in a row.
+    pub(super) fn decoded(&self, row: EvaluationColumns) -> Result<StoredEvaluation, StoreError> {
+        let (id, sample, outcome, worker, wall, finished_at, level) = row;
+        let what = || format!("sample of evaluation {id}");
+        let sample = exact::sample_from_bytes(&sample);
         let sample = sample.ok_or_else(|| self.encoding(what(), "no whole number of values"))?;
-        Ok((sample, self.outcome(row.id, &row.outcome)?))
+        let outcome = self.outcome(id, &outcome)?;
+        Ok(StoredEvaluation { id, level, sample, outcome, worker, wall, finished_at })
     }
 
-    fn decode(&self, row: RawEvaluation) -> Result<StoredEvaluation, StoreError> {
-        let (sample, outcome) = self.decoded(&row)?;
-        let RawEvaluation { id, worker, wall, finished_at, level, .. } = row;
-        let id = u64::try_from(id).map_err(|error| self.encoding(format!("number {id}"), error))?;
-        Ok(StoredEvaluation { id, level, sample, outcome, worker, wall, finished_at })
+    /// The evaluation in a row as the outcome of request `id`.
+    pub(super) fn recalled(&self, row: EvaluationColumns, id: u64) -> Result<Finished, StoreError> {
+        let StoredEvaluation { outcome, worker, wall, .. } = self.decoded(row)?;
+        Ok(Finished { id, outcome, worker, wall })
     }
 
     /// Rounds of learning noted so far, in order.

@@ -11,7 +11,7 @@
 //! CBOR, exact to the last bit, where SQL's REAL would lose a negative zero and a NaN. The tables `input`,
 //! `output` and `output_error` repeat them for queries.
 //!
-//! Version 1 had no table `output_error`, version 2 no table `leg` and no column `stricter`, version 3 no column `level`; see [`super::migration`].
+//! Version 3 had no column `level`, see [`super::migration`]; earlier ones are not read.
 
 use common::scene::Scene;
 use rusqlite::{Connection, params};

@@ -19,19 +19,6 @@ pub fn states_errors(evaluation: &Evaluation) -> bool {
     lengths(&evaluation.errors) == lengths(&evaluation.histories)
 }
 
-/// Repeats the stated errors of evaluation `key` in table `output_error`; nothing where there are none.
-pub fn write_stated_errors(
-    transaction: &Transaction<'_>,
-    outputs: &[String],
-    key: i64,
-    evaluation: &Evaluation,
-) -> rusqlite::Result<()> {
-    if !states_errors(evaluation) {
-        return Ok(());
-    }
-    write_rows(transaction, "output_error", outputs, key, &evaluation.cycles, &evaluation.errors)
-}
-
 /// One row per checkpoint, from values `(outputs, m)`.
 pub fn write_rows(
     transaction: &Transaction<'_>,

@@ -25,34 +25,27 @@ const ZERO: f64 = -40.0;
 
 /// Coordinate of one variable.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Coordinate {
-    /// (x - location) / scale.
-    Linear {
-        /// Location of the variable [SI].
-        location: f64,
-        /// Scale of the variable [SI].
-        scale: f64,
-    },
-    /// (ln x - location) / scale, for x > 0.
-    Logarithm {
-        /// Logarithm of the median [ln of SI].
-        location: f64,
-        /// Scatter of the logarithm [1].
-        scale: f64,
-    },
+pub(super) struct Coordinate {
+    /// True for (ln x - location) / scale, for x > 0; false for (x - location) / scale.
+    of_logarithm: bool,
+    /// Location of the variable [SI], or logarithm of its median [ln of SI].
+    location: f64,
+    /// Scale of the variable [SI], or scatter of its logarithm [1].
+    scale: f64,
 }
 
 impl Coordinate {
     /// The coordinate of a variable.
     pub fn of(variable: &Distribution) -> Self {
-        let linear = Self::Linear { location: variable.parent_mean(), scale: variable.parent_std() };
+        let (location, scale) = (variable.parent_mean(), variable.parent_std());
+        let linear = Self { of_logarithm: false, location, scale };
         if variable.is_constant() || !is_positive(variable) {
             return linear;
         }
         let [low, median, high] = [-1.0, 0.0, 1.0].map(|u| variable.quantile(standard_normal_cdf(u)).ln());
         let scale = 0.5 * (high - low);
         if scale >= LEAST_SCATTER && low.is_finite() {
-            Self::Logarithm { location: median, scale }
+            Self { of_logarithm: true, location: median, scale }
         } else {
             linear
         }
@@ -60,23 +53,19 @@ impl Coordinate {
 
     /// True if values of the variable have this coordinate: all of them are positive, or it needs no logarithm.
     pub fn fits(&self, variable: &Distribution) -> bool {
-        matches!(self, Self::Linear { .. }) || is_positive(variable)
+        !self.of_logarithm || is_positive(variable)
     }
 
     /// z [1] of the value x [SI].
     pub fn of_value(&self, x: f64) -> f64 {
-        match *self {
-            Self::Linear { location, scale } => (x - location) / scale,
-            Self::Logarithm { location, scale } => ((x.ln() - location) / scale).max(ZERO),
-        }
+        let z = |x: f64| (x - self.location) / self.scale;
+        if self.of_logarithm { z(x.ln()).max(ZERO) } else { z(x) }
     }
 
     /// The value x [SI] at z [1].
     pub fn value(&self, z: f64) -> f64 {
-        match *self {
-            Self::Linear { location, scale } => location + scale * z,
-            Self::Logarithm { location, scale } => (location + scale * z).exp(),
-        }
+        let x = self.location + self.scale * z;
+        if self.of_logarithm { x.exp() } else { x }
     }
 }
 
@@ -92,7 +81,7 @@ mod tests {
     #[test]
     fn positive_variables_that_scatter_widely_are_seen_by_their_logarithm() {
         let of = |law: Result<Distribution, _>| Coordinate::of(&law.unwrap());
-        let is_logarithm = |coordinate: Coordinate| matches!(coordinate, Coordinate::Logarithm { .. });
+        let is_logarithm = |coordinate: Coordinate| coordinate.of_logarithm;
         assert!(is_logarithm(of(Distribution::lognormal(1000.0, 700.0))));
         assert!(is_logarithm(of(Distribution::exponential(10.0, 10.0))));
         assert!(is_logarithm(of(Distribution::weibull(3.0, 1.5))));
@@ -108,7 +97,8 @@ mod tests {
         // A lognormal variable becomes standard normal.
         let (mean, std) = (1000.0, 700.0_f64);
         let sigma = (1.0 + (std / mean).powi(2)).ln().sqrt();
-        let Coordinate::Logarithm { location, scale } = of(Distribution::lognormal(mean, std)) else {
+        let Coordinate { of_logarithm: true, location, scale } = of(Distribution::lognormal(mean, std))
+        else {
             unreachable!("asserted above")
         };
         assert!((scale - sigma).abs() < 1e-9 && (location - (mean.ln() - 0.5 * sigma * sigma)).abs() < 1e-9);

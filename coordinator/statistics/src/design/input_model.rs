@@ -86,11 +86,8 @@ impl InputModel {
         let v: Vec<f64> = p.iter().map(|p| standard_normal_quantile(*p)).collect();
         let u = self.copula.correlate(&v);
         let value = |(k, variable): (usize, &Distribution)| {
-            if self.copula.is_correlated(k) {
-                variable.from_standard_normal(u[k])
-            } else {
-                variable.quantile(p[k])
-            }
+            let is_alone = !self.copula.is_correlated(k);
+            if is_alone { variable.quantile(p[k]) } else { variable.from_standard_normal(u[k]) }
         };
         self.variables.iter().enumerate().map(value).collect()
     }

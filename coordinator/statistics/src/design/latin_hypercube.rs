@@ -39,8 +39,7 @@ pub fn latin_hypercube(inputs: &InputModel, n: usize, seed: u64) -> Vec<f64> {
     let mut z = vec![0.0; n * d];
     for (k, variable) in inputs.variables().iter().enumerate() {
         for i in (k..n * d).step_by(d) {
-            let x = variable.quantile(place(strata[i], within[i]));
-            z[i] = inputs.standardised_value(k, x);
+            z[i] = inputs.standardised_value(k, variable.quantile(place(strata[i], within[i])));
         }
     }
     z

@@ -7,20 +7,16 @@
 
 mod coordinate;
 mod deviation;
-mod initial_design;
 mod input_model;
 mod latin_hypercube;
 mod moments;
-mod points;
 mod population;
 
 pub use deviation::deviation;
-pub use initial_design::choose_by_latin_hypercube;
 pub use input_model::InputModel;
 pub use latin_hypercube::latin_hypercube;
 pub use moments::{fixed_bounds, with_moments};
-pub use points::nominal_and_random;
-pub use population::Population;
+pub use population::{Population, choose_by_latin_hypercube, nominal_and_random};
 
 use rand_chacha::ChaCha12Rng;
 use rand_chacha::rand_core::SeedableRng;

@@ -50,8 +50,7 @@ pub fn with_moments(
         }
         Distribution::Empirical(law) => law.moved(mean, std).map(Distribution::Empirical),
         Distribution::Triangular(_) => {
-            let mode = 3.0 * before - lower - upper;
-            Distribution::triangular(moved(lower), moved(mode), moved(upper))
+            Distribution::triangular(moved(lower), moved(3.0 * before - lower - upper), moved(upper))
         }
         Distribution::TruncatedNormal(_) => {
             let bound = |x: f64, fixed: bool| if fixed { x } else { moved(x) };

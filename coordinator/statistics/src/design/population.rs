@@ -3,11 +3,21 @@
 //! x_k = F_k^-1(p_k) with p_k uniform in (0, 1) and F_k the distribution function of variable k; correlated
 //! variables through the Gaussian copula, see [`InputModel`].
 //!
+//! The initial design: the points of the population nearest to a Latin hypercube.
+//!
+//! Choosing among the population keeps every simulated point a sample of the variables, whose classification
+//! counts.
+//!
+//! The nominal point of a scene and a few random points, for measurements outside of a study.
+//!
 //! # Source
 //! Inverse transform: Devroye (1986), Non-Uniform Random Variate Generation, chapter II.
+//! A design among the Monte Carlo population: Echard, Gayton, Lemaire (2011), AK-MCS, Structural Safety 33(2);
+//! the nearest points to a Latin hypercube: Cui et al. (2026), China Mechanical Engineering 37(6), 1472-1485,
+//! doi 10.3969/j.issn.1004-132X.2026.06.020, who choose the design by Latin hypercube.
 
-use super::{InputModel, Stream, open_stream};
-use common::random::Distribution;
+use super::{InputModel, Stream, latin_hypercube, open_stream};
+use common::scene::Scene;
 use faer::MatRef;
 use rand::{Rng, RngExt};
 use rand_chacha::ChaCha12Rng;
@@ -50,13 +60,8 @@ impl Population {
         Self { inputs: inputs.clone(), z, origins: Vec::new(), rng: open_stream(seed, Stream::Population) }
     }
 
-    /// A population of the same variables with the standardised points `(n, d)` row-major; it must not grow.
-    pub fn with_points(&self, z: Vec<f64>) -> Self {
-        self.with_descendants(z, Vec::new())
-    }
-
-    /// The same with points of Markov chains, each descending from one of some independent samples, `origins`
-    /// `(n,)`.
+    /// A population of the same variables with the standardised points `(n, d)` row-major; it must not grow. Points of Markov chains
+    /// descend each from one of some independent samples, `origins` `(n,)`, which are empty for independent points.
     pub fn with_descendants(&self, z: Vec<f64>, origins: Vec<u32>) -> Self {
         Self { inputs: self.inputs.clone(), z, origins, rng: self.rng.clone() }
     }
@@ -85,11 +90,6 @@ impl Population {
     /// Number of variables d.
     pub fn dimension(&self) -> usize {
         self.inputs.dimension()
-    }
-
-    /// The random variables `(d,)`.
-    pub fn variables(&self) -> &[Distribution] {
-        self.inputs.variables()
     }
 
     /// The input model: the random variables with their dependence.
@@ -125,10 +125,49 @@ impl Population {
     }
 }
 
+/// Returns the indices of `n` distinct points of the population, each the nearest free one (Euclidean
+/// distance in standardised units, lowest index at a tie) to one point of a Latin hypercube under `seed`; all
+/// points if the population has fewer.
+pub fn choose_by_latin_hypercube(population: &Population, n: usize, seed: u64) -> Vec<usize> {
+    let n = n.min(population.len());
+    let d = population.dimension();
+    let targets = latin_hypercube(population.inputs(), n, seed);
+    let square = |j: usize, target: &[f64]| -> f64 {
+        population.standardised(j).iter().zip(target).map(|(a, b)| (a - b) * (a - b)).sum()
+    };
+    let mut taken = vec![false; population.len()];
+    let mut chosen = Vec::with_capacity(n);
+    for target in targets.chunks_exact(d) {
+        let nearest = (0..population.len())
+            .into_par_iter()
+            .filter(|j| !taken[*j])
+            .map(|j| (square(j, target), j))
+            .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        if let Some((_, j)) = nearest {
+            taken[j] = true;
+            chosen.push(j);
+        }
+    }
+    chosen
+}
+
+/// The nominal point of a scene (its variables' means), then `random` points of the population of this seed:
+/// `(1 + random)(d,)` [SI]. A scene without random variables has only the first, which is empty.
+pub fn nominal_and_random(scene: &Scene, seed: u64, random: usize) -> Vec<Vec<f64>> {
+    let inputs = InputModel::from_scene(scene);
+    let mut points = vec![inputs.means()];
+    if inputs.dimension() > 0 {
+        let population = Population::draw(&inputs, random, seed);
+        points.extend((0..random).map(|j| population.physical(j)));
+    }
+    points
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use common::random::{Correlation, GaussianCopula};
+    use common::random::{Correlation, Distribution, GaussianCopula};
+    use common::scene::SceneSource;
 
     fn variables() -> Vec<Distribution> {
         vec![
@@ -174,7 +213,7 @@ mod tests {
         let population = Population::draw(correlated(), n, 3);
         let u: Vec<Vec<f64>> = (0..4)
             .map(|k| {
-                let variable = &population.variables()[k];
+                let variable = &population.inputs().variables()[k];
                 column(&population, k).iter().map(|x| variable.to_standard_normal(*x)).collect()
             })
             .collect();
@@ -245,5 +284,35 @@ mod tests {
             let error = (expected / n as f64).sqrt() + 0.006 * expected;
             assert!((found - expected).abs() < 3.0 * error, "{found} {expected}");
         }
+    }
+
+    fn truncated(d: usize) -> Vec<Distribution> {
+        vec![Distribution::truncated_normal(1.0, 2.0, -5.0, 7.0).unwrap(); d]
+    }
+
+    #[test]
+    fn chosen_points_are_distinct_and_reproducible() {
+        let population = Population::draw(&truncated(3), 300, 5);
+        let chosen = choose_by_latin_hypercube(&population, 120, 5);
+        let mut distinct = chosen.clone();
+        distinct.sort_unstable();
+        distinct.dedup();
+        assert_eq!(distinct.len(), 120);
+        assert_eq!(chosen, choose_by_latin_hypercube(&population, 120, 5));
+        assert_eq!(choose_by_latin_hypercube(&population, 1000, 5).len(), 300);
+    }
+
+    #[test]
+    fn more_points_begin_with_the_same() {
+        let source = SceneSource::builtin("four-bar").expect("built in");
+        let (few, many) =
+            (nominal_and_random(source.nominal(), 1, 2), nominal_and_random(source.nominal(), 1, 9));
+        assert_eq!((few.len(), many.len()), (3, 10));
+        assert_eq!(few[..], many[..3]);
+        assert_ne!(many[1], many[2]);
+        let means = source.nominal().variables.iter().map(|v| v.distribution.mean());
+        assert_eq!(few[0], means.collect::<Vec<_>>());
+        let ideal = SceneSource::builtin("pendulum").expect("built in");
+        assert_eq!(nominal_and_random(ideal.nominal(), 1, 5), [[0.0; 0]]);
     }
 }

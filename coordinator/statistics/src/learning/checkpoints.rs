@@ -31,8 +31,7 @@ pub fn checkpoints_that_matter(
         let sampled = sample_share[*n] > 0.0 && sample_share[*n] < 1.0;
         sampled || predicted_share.is_some_and(|p| !is_settled(p[*n]))
     };
-    let share = predicted_share.unwrap_or(sample_share);
-    let jump = share.iter().position(|p| *p >= 0.5).unwrap_or(m - 1);
+    let jump = predicted_share.unwrap_or(sample_share).iter().position(|p| *p >= 0.5).unwrap_or(m - 1);
     let first = (0..m).find(matters).unwrap_or(jump);
     let last = (0..m).rev().find(matters).unwrap_or(jump);
     let (first, last) = (first.saturating_sub(1), (last + 1).min(m - 1));

@@ -22,14 +22,30 @@
 //! with the running maximum of the means. Phi(-U) is the probability that the sign of the prediction is wrong, if
 //! the response is Gaussian as the surrogate assumes.
 //!
+//! The coupled learning function U_c of a point over competing modes and checkpoints, and the dominance
+//! weight of two modes.
+//!
+//!   U_c(x) = min over n of min over s of U_s(x, n),   U_s as in [`Classification::u`],
+//!
+//! where a mode s is left out at a checkpoint n by which another mode has certainly failed (U >= 2): the
+//! system has failed there whatever mode s does. U_c >= 2 everywhere means that every point is classified
+//! with a risk of at most Phi(-2) per mode and checkpoint. The dominance weight of two modes is
+//!
+//!   k = (mean_2 / mean_1) (sigma_1 s_1 / (sigma_2 s_2)),
+//!
+//! the relative uncertainty of the first mode over that of the second [1].
+//!
 //! # Source
 //! U: Echard, Gayton, Lemaire (2011), AK-MCS, Structural Safety 33(2). Posterior mean of the failure
 //! probability: Dubourg, Sudret, Deheeger (2013), Metamodel-based importance sampling for structural reliability
 //! analysis, Probabilistic Engineering Mechanics 33.
+//! U: Echard, Gayton, Lemaire (2011), AK-MCS, Structural Safety 33(2). Minimum over the components of a
+//! series system: Fauriat, Gayton (2014), AK-SYS, Reliability Engineering & System Safety 123. U_c and k for
+//! competing failures: Cui et al. (2026), China Mechanical Engineering 37(6), 1472-1485, doi
+//! 10.3969/j.issn.1004-132X.2026.06.020.
 
 use crate::design::{Population, deviation};
-use crate::surrogate::{Kriging, PredictionCache};
-use faer::Mat;
+use crate::surrogate::{Kriging, Prediction, PredictionCache};
 use rayon::prelude::*;
 
 /// Number of points predicted together.
@@ -66,10 +82,8 @@ impl Classification {
     /// U = |mean - threshold| / standard deviation [1] of point `j` at grid checkpoint `n`; infinite where
     /// the standard deviation is zero.
     pub fn u(&self, j: usize, n: usize) -> f64 {
-        distance_over_std(
-            self.means_of(j)[n] - self.threshold,
-            self.sigma[n] * self.variance_factor[j].sqrt(),
-        )
+        let std = self.sigma[n] * self.variance_factor[j].sqrt();
+        distance_over_std(self.means_of(j)[n] - self.threshold, std)
     }
 }
 
@@ -93,45 +107,20 @@ pub struct ClassifiedMode<'a> {
     pub by_mean: bool,
 }
 
-/// Classifies the population by a model whose m outputs are the checkpoints of one mode. The result does not
-/// depend on the number of threads: blocks are fixed and independent.
-pub fn classify(model: &Kriging, population: &Population, mode: &ClassifiedMode<'_>) -> Classification {
-    classify_blocks(population.len(), model, mode, |block| predict_block(model, population, block))
-}
-
-/// Classifies the population as [`classify`] does, through a cache of this mode's predictions, which is
-/// updated first. Blocks that the cache has no room for are predicted. If the model is that of the last call with more points at the same lengths
-/// ([`Kriging::extended`]), only the new points are computed.
+/// Classifies the population by a model whose m outputs are the checkpoints of one mode, through a cache of its predictions, which is
+/// updated first. Blocks that the cache has no room for are predicted. If the model is that of the last call with more points at the
+/// same lengths ([`Kriging::extended`]), only the new points are computed. The result does not depend on the number of threads:
+/// blocks are fixed and independent.
 pub fn classify_cached(
     cache: &mut PredictionCache,
     model: &Kriging,
     population: &Population,
-    mode: &ClassifiedMode<'_>,
+    classified: &ClassifiedMode<'_>,
 ) -> Classification {
     cache.update(model, population);
-    classify_blocks(population.len(), model, mode, |block| {
-        cache.block(block).map_or_else(
-            || predict_block(model, population, block),
-            |prediction| (prediction.mean, prediction.variance_factor),
-        )
-    })
-}
-
-/// Means `(m, b)` [unit of the output] and variance factors `(b,)` [1] of one block.
-fn predict_block(model: &Kriging, population: &Population, block: usize) -> (Mat<f64>, Vec<f64>) {
-    let start = block * BLOCK;
-    let prediction = model.predict(population.columns(start..population.len().min(start + BLOCK)));
-    (prediction.mean, prediction.variance_factor)
-}
-
-/// Classifies `points` points from the means `(m, b)` and variance factors `(b,)` that `predict` returns for
-/// each block.
-fn classify_blocks(
-    points: usize,
-    model: &Kriging,
-    classified: &ClassifiedMode<'_>,
-    predict: impl Fn(usize) -> (Mat<f64>, Vec<f64>) + Sync,
-) -> Classification {
+    let (cache, points) = (&*cache, population.len());
+    let anew = |start: usize| model.predict(population.columns(start..points.min(start + BLOCK)));
+    let predict = |block: usize| cache.block(block).unwrap_or_else(|| anew(block * BLOCK));
     let ClassifiedMode { index, threshold, grid, inflation, by_mean } = *classified;
     let deviations = if by_mean { 0.0 } else { 1.0 };
     let sigma: Vec<f64> = model.sigma2().iter().map(|sigma2| (sigma2 * inflation).sqrt()).collect();
@@ -144,7 +133,7 @@ fn classify_blocks(
         .zip(first_failure.par_chunks_mut(BLOCK))
         .enumerate()
         .for_each(|(block, ((mean, variance_factor), first_failure))| {
-            let (means, factors) = predict(block);
+            let Prediction { mean: means, variance_factor: factors } = predict(block);
             variance_factor.copy_from_slice(&factors);
             for (j, first) in first_failure.iter_mut().enumerate() {
                 let history = means.col_as_slice(j);
@@ -193,76 +182,56 @@ pub fn curves<F: AsRef<[u32]>>(first_failures: &[F], m: usize) -> Vec<Vec<f64>> 
     curves
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::surrogate::{Correlation, Kernel};
-    use common::random::{Distribution, standard_normal_cdf};
+/// U below which a classification counts as uncertain: Phi(-2) = 2.3 % risk of a wrong sign (Echard et al.
+/// 2011).
+pub const UNCERTAIN: f64 = 2.0;
 
-    #[test]
-    fn curves_count_each_mode_and_the_first_of_them() {
-        let (a, b) = ([0, 2, 3, 3], [3, 1, 3, 2]);
-        let curves = curves(&[&a, &b], 3);
-        assert_eq!(curves[0], vec![0.25, 0.25, 0.5]);
-        assert_eq!(curves[1], vec![0.0, 0.25, 0.5]);
-        assert_eq!(curves[2], vec![0.25, 0.5, 0.75]);
-    }
-
-    #[test]
-    fn a_region_without_simulations_counts_with_its_probability() {
-        // Simulated near zero only, where the response is 0: beyond a few lengths the prediction is the mean of
-        // zero again, with a standard deviation that makes a failure at 1 as probable as the posterior says.
-        let normal = Distribution::truncated_normal(0.0, 1.0, -8.0, 8.0).unwrap();
-        let population = Population::draw(&[normal], 50_000, 1);
-        let x = Mat::from_fn(1, 5, |_, i| 0.4 * i as f64 - 0.8);
-        let y = Mat::from_fn(5, 1, |i, _| [0.3, -0.4, 0.1, 0.5, -0.5][i]);
-        let correlation =
-            Correlation { kernel: Kernel::Gaussian, theta: vec![4.0], nugget: 1e-9, stated: 0.0 };
-        let model = Kriging::condition(x.as_ref(), y.as_ref(), &correlation).unwrap();
-        for inflation in [1.0, 2.0] {
-            let mode = ClassifiedMode { index: 0, threshold: 1.0, grid: &[0], inflation, by_mean: false };
-            let classified = classify(&model, &population, &mode);
-            let counted = curves(&[&classified.first_failure], 1)[0][0];
-            let by_means = classified.mean.iter().filter(|mean| **mean >= 1.0).count();
-            let probability = |j: usize| {
-                let std = classified.sigma[0] * classified.variance_factor[j].sqrt();
-                standard_normal_cdf((classified.mean[j] - 1.0) / std.max(1e-12))
-            };
-            let expected = (0..population.len()).map(probability).sum::<f64>() / 5e4;
-            assert!(by_means == 0 && expected > 5e-3, "{by_means} {expected}");
-            assert!((counted - expected).abs() < 4.0 * (expected / 5e4).sqrt(), "{counted} {expected}");
-        }
-    }
-
-    #[test]
-    fn through_the_cache_every_point_is_classified_as_from_scratch() {
-        let variable = Distribution::truncated_normal(0.0, 1.0, -5.0, 5.0).unwrap();
-        let population = Population::draw(&vec![variable; 4], 20_000, 11);
-        let n = 60;
-        let x = population.columns(0..n).to_owned();
-        // A history of five checkpoints that passes its limit at some of them.
-        let y = Mat::from_fn(n, 5, |i, o| {
-            let x = population.standardised(i);
-            (0.2 + 0.2 * o as f64) * (1.0 + 0.3 * x[0] + 0.2 * (x[1] * x[2]).sin() + 0.05 * x[3] * x[3])
-        });
-        let theta = vec![0.02, 0.1, 0.1, 0.03];
-        let correlation = Correlation { kernel: Kernel::Gaussian, theta, nugget: 1e-9, stated: 0.0 };
-        let mode =
-            ClassifiedMode { index: 0, threshold: 1.0, grid: &[1, 3, 4], inflation: 1.0, by_mean: false };
-        let mut cache = PredictionCache::default();
-        let mut model = Kriging::condition(x.subcols(0, 40), y.subrows(0, 40), &correlation).unwrap();
-        for (from, to) in [(40, 41), (41, 48), (48, 60)] {
-            classify_cached(&mut cache, &model, &population, &mode);
-            model = model.extended(x.subcols(from, to - from), y.subrows(from, to - from), None).unwrap();
-        }
-        let cached = classify_cached(&mut cache, &model, &population, &mode);
-        let whole = Kriging::condition(x.as_ref(), y.as_ref(), &correlation).unwrap();
-        let fresh = classify(&whole, &population, &mode);
-        assert_eq!(cached.first_failure, fresh.first_failure);
-        assert!(fresh.first_failure.iter().any(|n| *n < 5) && fresh.first_failure.contains(&5));
-        for j in 0..population.len() {
-            let (a, b) = (cached.u(j, 1), fresh.u(j, 1));
-            assert!((a - b).abs() < 1e-3 * (1.0 + b) || b > 50.0, "{j} {a} {b}");
-        }
-    }
+/// Coupled learning functions of one point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coupled {
+    /// U_c: smallest U over the checkpoints and the modes that decide on the system there [1].
+    pub system: f64,
+    /// Smallest U over the checkpoints and all modes, which decides on the curves of the single modes [1].
+    pub any: f64,
 }
+
+/// Coupled learning functions of every point `(N,)`, from the classifications by all modes on the same grid.
+pub fn coupled_criterion(modes: &[Classification]) -> Vec<Coupled> {
+    (0..modes[0].variance_factor.len()).into_par_iter().map(|j| coupled(modes, j)).collect()
+}
+
+fn coupled(modes: &[Classification], j: usize) -> Coupled {
+    let mut smallest = Coupled { system: f64::INFINITY, any: f64::INFINITY };
+    for n in 0..modes[0].grid() {
+        for (s, mode) in modes.iter().enumerate() {
+            let u = mode.u(j, n);
+            smallest.any = smallest.any.min(u);
+            if u < smallest.system && !another_has_certainly_failed(modes, s, j, n) {
+                smallest.system = u;
+            }
+        }
+    }
+    smallest
+}
+
+/// True if a mode other than `s` has certainly failed at point `j` by grid checkpoint `n`: it is predicted to
+/// have failed, with U >= 2.
+pub(super) fn another_has_certainly_failed(modes: &[Classification], s: usize, j: usize, n: usize) -> bool {
+    let certain = |mode: &Classification| mode.means_of(j)[n] >= mode.threshold && mode.u(j, n) >= UNCERTAIN;
+    modes.iter().enumerate().any(|(other, mode)| other != s && certain(mode))
+}
+
+/// Dominance weight k [1] of two competing modes at point `j` and grid checkpoint `n`, from means and
+/// predicted standard deviations; scaling the outputs by their thresholds would not change it.
+///
+/// `None` unless there are exactly two modes, both with a positive standard deviation, and a first mean other
+/// than zero.
+pub fn dominance(modes: &[Classification], j: usize, n: usize) -> Option<f64> {
+    let [first, second] = modes else { return None };
+    let std = |mode: &Classification| mode.sigma[n] * mode.variance_factor[j].sqrt();
+    let k = second.means_of(j)[n] / first.means_of(j)[n] * std(first) / std(second);
+    k.is_finite().then_some(k)
+}
+
+#[cfg(test)]
+pub(super) mod tests;

@@ -3,7 +3,7 @@
 //! Joint realisations of the surrogates are drawn at the pool. The modes are independent; the checkpoints of
 //! one mode have the same deviation in units of their sigma, because neighbouring checkpoints err together.
 //! Each realisation r gives a failure share F_r of the uncertain points. The share that is stated has their mean,
-//! see [`super::classify`], and a scatter by the deviations of its a uncertain points, independent of each other.
+//! see [`super::classify_cached`], and a scatter by the deviations of its a uncertain points, independent of each other.
 //! It differs from the share F_mean of the means by as much as the predicted standard deviations say, which are
 //! known to about their half. So the error of a curve at a checkpoint is
 //!
@@ -21,17 +21,32 @@
 //! Valid as far as the posterior is: Gaussian, with the lengths and the form taken as known. What is stated is larger by
 //! [`SURROGATE_SAFETY`].
 //!
+//! Effect of the simulator's numerical noise on the failure shares.
+//!
+//! The surrogates classify by the smooth function under the noise. A simulation at x adds noise of standard
+//! deviation tau = sqrt((nugget + stated) sigma2), so counting noisy simulations would give the share
+//!
+//!   mean over j of Phi((mean_j - threshold) / tau)
+//!
+//! instead of the share of mean_j >= threshold. The difference is no error of the surrogates, and no number
+//! of samples removes it; it enters the standard error of the curves but not the stopping rules. The noises
+//! of different modes are taken as independent.
+//!
 //! # Source
 //! Realisations of a Gaussian process by the Cholesky factor of its covariance: Rasmussen, Williams (2006),
 //! Gaussian Processes for Machine Learning, appendix A.2. Error of the failure count as a stopping criterion:
 //! Wang, Shafieezadeh (2019), ESC, Structural and Multidisciplinary Optimization 59. The variance over a
 //! sample of the points is the decomposition of the variance of a mean of equicorrelated indicators.
+//! The expectation of an indicator under Gaussian noise; noise as a nugget: Ankenman, Nelson, Staum (2010),
+//! Stochastic kriging for simulation metamodeling, Operations Research 58(2).
 
-use super::{Classification, Coupled, JointPool};
+use super::{Classification, Coupled, JointPool, classification::distance_over_std};
+use crate::surrogate::Posterior;
 use common::random::standard_normal_cdf;
 use faer::Mat;
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
 
 /// Number of realisations: the standard deviation is then known to 1 / sqrt(2 * 128) = 6 %.
 const REALISATIONS: usize = 128;
@@ -65,9 +80,15 @@ pub fn estimate_errors(
     rng: &mut impl Rng,
 ) -> CurveErrors {
     let (a, points) = (modes[0].grid(), coupled.len());
-    let deviations = draw_deviations(pool, rng);
+    // Joint deviations of each mode from its mean at the pool's members, in units of sigma `(modes)(p, REALISATIONS)` [1].
+    let realise = |posterior: &Posterior| {
+        let normals =
+            Mat::from_fn(posterior.len(), REALISATIONS, |_, _| -> f64 { StandardNormal.sample(rng) });
+        posterior.realise(normals.as_ref()).0
+    };
+    let deviations: Vec<Mat<f64>> = pool.posteriors.iter().map(realise).collect();
     let counts = count_failures(modes, pool, &deviations);
-    let uncertain_share = pool.uncertain() as f64 / points as f64;
+    let uncertain_share = pool.uncertain as f64 / points as f64;
     let certain = |c: &&Coupled| c.any >= 3.0 && c.any.is_finite();
     let rest: f64 =
         coupled.iter().filter(certain).map(|c| standard_normal_cdf(-c.any)).sum::<f64>() / points as f64;
@@ -78,19 +99,6 @@ pub fn estimate_errors(
     CurveErrors { by_curve: counts.iter().map(errors).collect() }
 }
 
-/// Joint deviations of each mode from its mean at the pool's members, in units of sigma
-/// `(modes)(p, REALISATIONS)` [1].
-fn draw_deviations(pool: &JointPool, rng: &mut impl Rng) -> Vec<Mat<f64>> {
-    let mut deviations = Vec::new();
-    for posterior in pool.posteriors() {
-        let normals = Mat::from_fn(posterior.len(), REALISATIONS, |_, _| {
-            Distribution::<f64>::sample(&StandardNormal, rng)
-        });
-        deviations.push(posterior.realise(normals.as_ref()).0);
-    }
-    deviations
-}
-
 /// Failure counts over the sampled points, one per mode and last the system's.
 fn count_failures(modes: &[Classification], pool: &JointPool, deviations: &[Mat<f64>]) -> Vec<FailureCounts> {
     let a = modes[0].grid();
@@ -98,16 +106,12 @@ fn count_failures(modes: &[Classification], pool: &JointPool, deviations: &[Mat<
     let mut counts = vec![FailureCounts::new(a); curves];
     let mut by_mean = vec![0; curves];
     let mut firsts = vec![[0usize; REALISATIONS]; curves];
-    for (i, j) in pool.sampled().iter().enumerate() {
+    for (i, j) in pool.members[..pool.sampled].iter().enumerate() {
         by_mean[curves - 1] = a;
         firsts[curves - 1] = [a; REALISATIONS];
         for (s, mode) in modes.iter().enumerate() {
-            let margins: Vec<f64> = mode
-                .means_of(*j)
-                .iter()
-                .zip(&mode.sigma)
-                .map(|(mean, sigma)| (mode.threshold - mean) / sigma.max(f64::MIN_POSITIVE))
-                .collect();
+            let margin = |(mean, sigma): (&f64, &f64)| (mode.threshold - mean) / sigma.max(f64::MIN_POSITIVE);
+            let margins: Vec<f64> = mode.means_of(*j).iter().zip(&mode.sigma).map(margin).collect();
             by_mean[s] = first_reached(&margins, 0.0);
             by_mean[curves - 1] = by_mean[curves - 1].min(by_mean[s]);
             for r in 0..REALISATIONS {
@@ -164,7 +168,7 @@ impl FailureCounts {
 
     /// Mean square difference [1] between the realised shares and the one stated at checkpoint `n`.
     fn mean_square(&self, n: usize, pool: &JointPool) -> f64 {
-        let (sampled, uncertain) = (pool.sampled().len(), pool.uncertain());
+        let (sampled, uncertain) = (pool.sampled, pool.uncertain);
         if sampled == 0 {
             return 0.0;
         }
@@ -185,11 +189,44 @@ impl FailureCounts {
     }
 }
 
+/// Number of points summed together; fixed, so that sums do not depend on the number of threads.
+const BLOCK: usize = 4096;
+
+/// Absolute differences of the share counted with noise and the share of the smooth function `(modes + 1, a)`
+/// [1] at the grid checkpoints, the system last. `roots` `(modes,)` holds the square roots of the modes'
+/// noise variances over their process variances [1].
+pub fn noise_shifts(modes: &[Classification], roots: &[f64]) -> Vec<Vec<f64>> {
+    let (a, points) = (modes[0].grid(), modes[0].variance_factor.len());
+    let blocks: Vec<usize> = (0..points).step_by(BLOCK).collect();
+    let of_block = |start: usize| {
+        let mut sums = vec![0.0; (modes.len() + 1) * a];
+        for j in start..points.min(start + BLOCK) {
+            for n in 0..a {
+                let (mut safe_with_noise, mut safe) = (1.0, 1.0);
+                for (s, mode) in modes.iter().enumerate() {
+                    let margin = mode.threshold - mode.means_of(j)[n];
+                    let failed = f64::from(u8::from(margin <= 0.0));
+                    let flipped = standard_normal_cdf(-distance_over_std(margin, roots[s] * mode.sigma[n]));
+                    let with_noise = if margin <= 0.0 { 1.0 - flipped } else { flipped };
+                    sums[s * a + n] += with_noise - failed;
+                    safe_with_noise *= 1.0 - with_noise;
+                    safe *= 1.0 - failed;
+                }
+                sums[modes.len() * a + n] += safe - safe_with_noise;
+            }
+        }
+        sums
+    };
+    let partial: Vec<Vec<f64>> = blocks.into_par_iter().map(of_block).collect();
+    let total = |i: usize| (partial.iter().map(|sums| sums[i]).sum::<f64>() / points as f64).abs();
+    (0..=modes.len()).map(|c| (0..a).map(|n| total(c * a + n)).collect()).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::design::{Population, Stream, open_stream};
-    use crate::learning::coupled_criterion::tests::mode;
+    use crate::learning::classification::tests::mode;
     use crate::learning::{Pool, choose_pool, coupled_criterion};
     use crate::surrogate::{Correlation, Kernel, Kriging};
     use common::random;
@@ -203,7 +240,7 @@ mod tests {
         let model = Kriging::condition(data.as_ref(), values.as_ref(), &correlation).unwrap();
         let variable = random::Distribution::normal(0.0, 1.0).unwrap();
         let places = (0..points).map(|i| distance * i as f64).collect();
-        let population = Population::draw(&[variable], 0, 1).with_points(places);
+        let population = Population::draw(&[variable], 0, 1).with_descendants(places, vec![]);
         let pool = Pool { members: (0..points).collect(), sampled: points, uncertain: points };
         JointPool::new(pool, &[], &population, &[&model])
     }
@@ -235,5 +272,18 @@ mod tests {
         let mut rng = open_stream(1, Stream::Realisations(0));
         let errors = estimate_errors(&modes, &coupled, &joint(0, 1.0), &mut rng);
         assert_eq!(errors.largest(), 0.0);
+    }
+
+    #[test]
+    fn noise_moves_points_across_the_limit_by_phi() {
+        // Sigma 1, nugget 0.25: tau = 0.5. Means 0.5 below, 0.5 below and 1.5 above a threshold of 2.
+        let shift = noise_shifts(&[mode(&[1.5, 1.5, 3.5], &[0.1; 3], 2.0)], &[0.5]);
+        let expected = (2.0 * standard_normal_cdf(-1.0) - standard_normal_cdf(-3.0)) / 3.0;
+        assert!((shift[0][0] - expected).abs() < 1e-15 && (shift[1][0] - expected).abs() < 1e-15);
+    }
+
+    #[test]
+    fn without_noise_nothing_moves() {
+        assert_eq!(noise_shifts(&[mode(&[1.0, 2.0], &[0.1; 2], 2.0)], &[0.0]), vec![vec![0.0]; 2]);
     }
 }

@@ -51,30 +51,16 @@ const MATTERS: f64 = 0.01;
 /// Failure probabilities between which the radius of the rim follows the present one [1].
 const RIM: (f64, f64) = (1e-12, 0.1);
 
-/// Input of an exploration.
-#[derive(Debug, Clone, Copy)]
-pub struct Exploration<'a> {
-    /// Models of the modes.
-    pub models: &'a [&'a Kriging],
-    /// Classification of the population by every mode.
-    pub modes: &'a [Classification],
-    /// Population to be explored.
-    pub population: &'a Population,
-    /// Marks the points of the population that are not to be requested `(N,)`.
-    pub closed: &'a [bool],
-    /// Standardised points `(d,)` with results that are no data of the models.
-    pub known: &'a [Vec<f64>],
-}
-
-/// Chooses the next `count` points of the population that are not closed, as indices in the order of
-/// choice. `feasible` returns the probability of a result `(b,)` [1] at points `(d, b)`. Fewer points are
-/// returned if fewer are open.
+/// Chooses the next point of the population that is not `closed` `(N,)`, as an index; `None` if all are. `modes` are the
+/// classifications by the `models`, `known` the standardised points `(d,)` with results that are no data of the models, or chosen
+/// before. `feasible` returns the probability of a result `(b,)` [1] at points `(d, b)`.
 pub fn explore(
-    exploration: &Exploration<'_>,
+    (models, modes): (&[&Kriging], &[Classification]),
+    population: &Population,
+    closed: &[bool],
+    known: &[Vec<f64>],
     feasible: impl Fn(MatRef<'_, f64>) -> Vec<f64>,
-    count: usize,
-) -> Vec<usize> {
-    let Exploration { models, modes, population, closed, known } = *exploration;
+) -> Option<usize> {
     let variance = |j: usize| modes.iter().map(|mode| mode.variance_factor[j]).fold(0.0, f64::max);
     let mut candidates: Vec<usize> = (0..population.len()).filter(|j| !closed[*j]).collect();
     let by_variance = |a: &usize, b: &usize| variance(*b).total_cmp(&variance(*a)).then(a.cmp(b));
@@ -83,8 +69,20 @@ pub fn explore(
         candidates.truncate(CANDIDATES);
     }
     candidates.sort_unstable_by(by_variance);
-    let points: Vec<&[f64]> = candidates.iter().map(|j| population.standardised(*j)).collect();
-    spread(models, &points, known, feasible, count).into_iter().map(|place| candidates[place]).collect()
+    let count = candidates.len();
+    let points = Mat::from_fn(population.dimension(), count + known.len(), |k, i| {
+        candidates.get(i).map_or_else(|| known[i - count][k], |j| population.standardised(*j)[k])
+    });
+    let feasible = feasible(points.as_ref());
+    let mut posteriors: Vec<Posterior> =
+        models.iter().map(|model| Posterior::new(model, points.as_ref())).collect();
+    for place in count..points.ncols() {
+        posteriors.iter_mut().for_each(|posterior| posterior.believe(place));
+    }
+    let score = |i: usize| posteriors.iter().map(|p| p.variance(i)).fold(0.0, f64::max) * feasible[i];
+    // The first at a tie: the one of largest initial variance.
+    let best = (0..count).reduce(|a, b| if score(b) > score(a) { b } else { a });
+    best.map(|place| candidates[place])
 }
 
 /// Points of the rim for a failure probability `pf` [1], standardised `(DIRECTIONS)(d,)` [1], in random
@@ -131,46 +129,12 @@ pub fn farthest<'a>(
     chosen
 }
 
-/// Chooses `count` of the standardised `points` `(c)(d,)` one after the other, each where the variance of any
-/// model is largest after the points `known` `(d,)` and those chosen before; returns their places.
-fn spread(
-    models: &[&Kriging],
-    points: &[&[f64]],
-    known: &[Vec<f64>],
-    feasible: impl Fn(MatRef<'_, f64>) -> Vec<f64>,
-    count: usize,
-) -> Vec<usize> {
-    let d = points.first().map_or(0, |point| point.len());
-    let candidates = points.len();
-    let points = Mat::from_fn(d, candidates + known.len(), |k, i| {
-        points.get(i).map_or_else(|| known[i - candidates][k], |point| point[k])
-    });
-    let feasible = feasible(points.as_ref());
-    let mut posteriors: Vec<Posterior> =
-        models.iter().map(|model| Posterior::new(model, points.as_ref())).collect();
-    for place in candidates..points.ncols() {
-        posteriors.iter_mut().for_each(|posterior| posterior.believe(place));
-    }
-    let mut chosen = Vec::with_capacity(count);
-    let mut free: Vec<usize> = (0..candidates).collect();
-    while chosen.len() < count {
-        let score = |i: &usize| posteriors.iter().map(|p| p.variance(*i)).fold(0.0, f64::max) * feasible[*i];
-        // The first at a tie: the one of largest initial variance.
-        let Some(pick) = free.iter().copied().reduce(|a, b| if score(&b) > score(&a) { b } else { a }) else {
-            break;
-        };
-        posteriors.iter_mut().for_each(|posterior| posterior.believe(pick));
-        free.retain(|i| *i != pick);
-        chosen.push(pick);
-    }
-    chosen
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::design::{Stream, open_stream};
-    use crate::learning::{ClassifiedMode, classify};
+    use crate::learning::ClassifiedMode;
+    use crate::learning::classification::tests::classify;
     use crate::surrogate::{Correlation, Kernel};
     use common::random;
 
@@ -186,15 +150,14 @@ mod tests {
         let mode = ClassifiedMode { index: 0, threshold: 20.0, grid: &[0], inflation: 1.0, by_mean: false };
         let modes = [classify(&model, &population, &mode)];
         let explored = |requested: &[bool], known: &[Vec<f64>], feasible: fn(MatRef<'_, f64>) -> Vec<f64>| {
-            let models = [&model];
-            let exploration = Exploration {
-                models: &models,
-                modes: &modes,
-                population: &population,
-                closed: requested,
-                known,
+            let (mut closed, mut known) = (requested.to_vec(), known.to_vec());
+            let one = |_| {
+                let chosen = explore((&[&model], &modes), &population, &closed, &known, feasible)?;
+                closed[chosen] = true;
+                known.push(population.standardised(chosen).to_vec());
+                Some(chosen)
             };
-            explore(&exploration, feasible, 4)
+            (0..4).map_while(one).collect::<Vec<usize>>()
         };
         let everywhere = |points: MatRef<'_, f64>| vec![1.0; points.ncols()];
         let first = explored(&vec![false; 2000], &[], everywhere);

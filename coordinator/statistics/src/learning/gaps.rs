@@ -18,7 +18,7 @@
 //! classification and analysis of multivariate observations, Proceedings of the Fifth Berkeley Symposium 1; Flury (1990), Principal
 //! points, Biometrika 77(1). Maximin distance: Johnson, Moore, Ylvisaker (1990), Journal of Statistical Planning and Inference 26(2).
 
-use super::{Classification, exploration::farthest};
+use super::{Classification, classification::distance_over_std, exploration::farthest};
 use crate::design::Population;
 use rand::{Rng, RngExt};
 use rayon::prelude::*;
@@ -73,10 +73,7 @@ pub fn widest_gap<'a>(
         Gap::Limit => {
             let distance = |j: usize| {
                 let of = |mode: &Classification| {
-                    super::classification::distance_over_std(
-                        mode.means_of(j)[n] - mode.threshold,
-                        mode.sigma[n],
-                    )
+                    distance_over_std(mode.means_of(j)[n] - mode.threshold, mode.sigma[n])
                 };
                 modes.iter().map(of).fold(f64::INFINITY, f64::min)
             };
@@ -113,7 +110,7 @@ fn most_representative<'a>(
 mod tests {
     use super::*;
     use crate::design::{Stream, open_stream};
-    use crate::learning::coupled_criterion::tests::mode;
+    use crate::learning::classification::tests::mode;
     use common::random::Distribution;
 
     #[test]

@@ -10,15 +10,12 @@
 //! | file | computes |
 //! |---|---|
 //! | `checkpoints` | the checkpoints that matter |
-//! | `classification` | predicted first failures, and failure shares |
-//! | `coupled_criterion` | U_c, the learning function U over competing modes |
+//! | `classification` | predicted first failures, failure shares, and U_c, the learning function U over competing modes |
 //! | `pool` | the uncertain points with their joint posterior |
 //! | `selection` | the next samples, chosen by a learning function |
 //! | `exploration` | samples at the largest predicted variance, or far from all others |
 //! | `gaps` | samples in the widest gaps of the population |
-//! | `function` | names of the learning functions |
-//! | `error` | surrogate error of the failure shares |
-//! | `noise` | effect of the simulator's noise on the failure shares |
+//! | `error` | surrogate error of the failure shares, and the effect of the simulator's noise on them |
 //! | `steps` | threshold of the surrogate of an output with steps |
 //! | `stopping` | the stopping rules |
 //!
@@ -31,27 +28,24 @@
 
 mod checkpoints;
 mod classification;
-mod coupled_criterion;
 mod error;
 mod exploration;
-mod function;
 mod gaps;
-mod noise;
 mod pool;
 mod selection;
 mod steps;
 mod stopping;
 
 pub use checkpoints::{checkpoints_that_matter, is_settled};
-pub use classification::{Classification, ClassifiedMode, classify, classify_cached, curves, with_system};
-pub use coupled_criterion::{Coupled, UNCERTAIN, coupled_criterion, dominance};
-pub use error::{CurveErrors, SURROGATE_SAFETY, estimate_errors};
-pub use exploration::{Exploration, draw_rim, explore, farthest};
-pub use function::LearningFunction;
+pub use classification::{
+    Classification, ClassifiedMode, Coupled, UNCERTAIN, classify_cached, coupled_criterion, curves,
+    dominance, with_system,
+};
+pub use error::{CurveErrors, SURROGATE_SAFETY, estimate_errors, noise_shifts};
+pub use exploration::{draw_rim, explore, farthest};
 pub use gaps::{Gap, sample_of_open, widest_gap};
-pub use noise::noise_shifts;
 pub use pool::{JointPool, Pool, choose_pool};
-pub use selection::{Selection, SelectionOptions};
+pub use selection::{LearningFunction, Selection};
 pub use steps::{LearnedThreshold, learned_threshold};
 pub use stopping::{EARLY, Figures, Rule, Stopping, StoppingTargets};
 

@@ -7,7 +7,7 @@
 use super::Coupled;
 use crate::design::{Population, Stream, open_stream};
 use crate::surrogate::{Kriging, Posterior};
-use faer::{Mat, MatRef};
+use faer::Mat;
 use rand::RngExt;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -33,55 +33,31 @@ pub struct Pool {
 /// A pool with the joint posteriors of all modes at its members.
 #[derive(Debug)]
 pub struct JointPool {
-    pool: Pool,
+    /// Indices of the members in the population `(p,)`: those of the [`Pool`], then those whose simulation is under way.
+    pub members: Vec<usize>,
+    /// Number of the members, the first ones, that are a random sample of the uncertain points.
+    pub sampled: usize,
+    /// Number of uncertain points of the population.
+    pub uncertain: usize,
     /// Standardised points of the members `(d, p)` [1].
-    points: Mat<f64>,
+    pub points: Mat<f64>,
     /// Posteriors of the modes at the members.
-    posteriors: Vec<Posterior>,
+    pub posteriors: Vec<Posterior>,
     /// Places of the members whose simulation is under way.
-    under_way: Range<usize>,
+    pub under_way: Range<usize>,
 }
 
 impl JointPool {
     /// Adds the points of the population with the indices `under_way` to the pool and computes the posterior
     /// of every mode's model at all members.
-    pub fn new(mut pool: Pool, under_way: &[usize], population: &Population, models: &[&Kriging]) -> Self {
-        let places = pool.members.len()..pool.members.len() + under_way.len();
-        pool.members.extend(under_way);
-        let (d, p) = (population.dimension(), pool.members.len());
-        let points = Mat::from_fn(d, p, |k, i| population.standardised(pool.members[i])[k]);
+    pub fn new(pool: Pool, under_way: &[usize], population: &Population, models: &[&Kriging]) -> Self {
+        let Pool { mut members, sampled, uncertain } = pool;
+        let places = members.len()..members.len() + under_way.len();
+        members.extend(under_way);
+        let (d, p) = (population.dimension(), members.len());
+        let points = Mat::from_fn(d, p, |k, i| population.standardised(members[i])[k]);
         let posteriors = models.par_iter().map(|model| Posterior::new(model, points.as_ref())).collect();
-        Self { pool, points, posteriors, under_way: places }
-    }
-
-    /// Indices of the members in the population `(p,)`.
-    pub fn members(&self) -> &[usize] {
-        &self.pool.members
-    }
-
-    /// The uncertain points among the members, as indices in the population.
-    pub fn sampled(&self) -> &[usize] {
-        &self.pool.members[..self.pool.sampled]
-    }
-
-    /// Number of uncertain points of the population.
-    pub fn uncertain(&self) -> usize {
-        self.pool.uncertain
-    }
-
-    /// Standardised points of the members `(d, p)` [1].
-    pub fn points(&self) -> MatRef<'_, f64> {
-        self.points.as_ref()
-    }
-
-    /// Posteriors of the modes at the members.
-    pub fn posteriors(&self) -> &[Posterior] {
-        &self.posteriors
-    }
-
-    /// Places of the members whose simulation is under way.
-    pub fn under_way(&self) -> Range<usize> {
-        self.under_way.clone()
+        Self { members, sampled, uncertain, points, posteriors, under_way: places }
     }
 
     /// Adds member `i` to the data of all modes without its value, see [`Posterior::believe`].
@@ -100,8 +76,7 @@ pub fn choose_pool(coupled: &[Coupled], requested: &[bool], least: usize, seed: 
     if uncertain > LARGEST {
         let mut rng = open_stream(seed, Stream::Pool(round));
         for i in 0..LARGEST {
-            let other = rng.random_range(i..uncertain);
-            members.swap(i, other);
+            members.swap(i, rng.random_range(i..uncertain));
         }
         members.truncate(LARGEST);
         members.sort_unstable();

@@ -17,13 +17,18 @@
 //! mean. A mode has its whole weight where another has failed before: a fifth of it there made the error of its own curve 1.7
 //! times as large on the drive (means of ten studies).
 //!
+//! Learning (acquisition) functions by which the next samples are chosen.
+//!
 //! # Source
 //! Targeted variance: Picheny et al. (2010), Adaptive designs of experiments for accurate approximation of a
 //! target region, Journal of Mechanical Design 132(7). Kriging believer: Ginsbourger, Le Riche, Carraro
 //! (2010), Kriging is well-suited to parallelize optimization. Dominance weight: Cui et al. (2026), China
 //! Mechanical Engineering 37(6), 1472-1485, doi 10.3969/j.issn.1004-132X.2026.06.020.
+//! U: Echard, Gayton, Lemaire (2011), AK-MCS, Structural Safety 33(2). The coupled one: Cui et al. (2026), China Mechanical
+//! Engineering 37(6), 1472-1485, doi 10.3969/j.issn.1004-132X.2026.06.020. The gain is that of [`super::Selection`].
 
-use super::{Classification, JointPool, LearningFunction, classification::distance_over_std, dominance};
+use super::{Classification, JointPool, classification::distance_over_std, dominance};
+use crate::named::named;
 use common::random::{standard_normal_cdf, standard_normal_pdf};
 
 /// |k| beyond which sampling shifts toward the first mode.
@@ -31,23 +36,14 @@ const DOMINANT: f64 = 0.5;
 /// Weight of the favoured mode of two [1].
 const FAVOURED: f64 = 2.0 / 3.0;
 
-/// Options of a selection.
-#[derive(Debug, Clone)]
-pub struct SelectionOptions {
-    /// Estimated probability of a result at each member of the pool `(p,)` [1].
-    pub feasible: Vec<f64>,
-    /// Index in the grid of the checkpoint at which dominance is taken.
-    pub governing: usize,
-    /// Learning function of the selection.
-    pub function: LearningFunction,
-}
-
 /// A selection in progress: members of the pool are chosen one after the other, each believed before the
 /// next.
 #[derive(Debug)]
 pub struct Selection {
     pool: JointPool,
-    options: SelectionOptions,
+    feasible: Vec<f64>,
+    governing: usize,
+    function: LearningFunction,
     /// Marks the members that can still be chosen `(p,)`.
     free: Vec<bool>,
     /// Number of members chosen.
@@ -55,11 +51,12 @@ pub struct Selection {
 }
 
 impl Selection {
-    /// A selection from the members of a pool; the samples under way are believed, not chosen.
-    pub fn new(pool: JointPool, options: SelectionOptions) -> Self {
-        let free = vec![true; pool.members().len()];
-        let under_way = pool.under_way();
-        let mut selection = Self { pool, options, free, chosen: 0 };
+    /// A selection from the members of a pool by a learning function; the samples under way are believed, not chosen. `feasible` is the
+    /// estimated probability of a result at each member `(p,)` [1], `governing` the checkpoint of the grid at which dominance is taken.
+    pub fn new(pool: JointPool, feasible: Vec<f64>, governing: usize, function: LearningFunction) -> Self {
+        let free = vec![true; pool.members.len()];
+        let under_way = pool.under_way.clone();
+        let mut selection = Self { pool, feasible, governing, function, free, chosen: 0 };
         under_way.for_each(|i| selection.believe(i));
         selection
     }
@@ -71,28 +68,24 @@ impl Selection {
 
     /// Believes point `point` of the population, requested elsewhere, if it is a member.
     pub fn believe_point(&mut self, point: usize) {
-        if let Some(place) = self.pool.members().iter().position(|member| *member == point) {
+        if let Some(place) = self.pool.members.iter().position(|member| *member == point) {
             self.believe(place);
         }
     }
 
-    /// Chooses the next `count` members, as indices in the population in the order of choice; fewer if no
-    /// more are free. `modes` are the classifications the selection was made with.
-    pub fn choose(&mut self, modes: &[Classification], count: usize) -> Vec<usize> {
-        let mut chosen = Vec::with_capacity(count);
-        while chosen.len() < count {
-            let Some(place) = self.best(modes) else { break };
-            self.believe(place);
-            self.chosen += 1;
-            chosen.push(self.pool.members()[place]);
-        }
-        chosen
+    /// Chooses the next member, as an index in the population; `None` if no more are free. `modes` are the classifications the
+    /// selection was made with.
+    pub fn choose(&mut self, modes: &[Classification]) -> Option<usize> {
+        let place = self.best(modes)?;
+        self.believe(place);
+        self.chosen += 1;
+        Some(self.pool.members[place])
     }
 
     /// Place in the pool of the free member with the best score.
     fn best(&self, modes: &[Classification]) -> Option<usize> {
         let near = Nearness::new(modes, &self.pool);
-        let SelectionOptions { feasible, governing, function } = &self.options;
+        let Self { feasible, governing, function, .. } = self;
         let mut score = match function {
             LearningFunction::Gain if self.chosen.is_multiple_of(2) => gains(&self.pool, &near),
             LearningFunction::Gain => near.risk.clone(),
@@ -108,7 +101,7 @@ impl Selection {
             best(&score, &self.free).filter(|i| score[*i] > 0.0 || *function != LearningFunction::Gain);
         // A score of zero everywhere (all U large): the largest variance of any mode decides.
         found.filter(|i| score[*i].is_finite()).or_else(|| {
-            let variance = |i| self.pool.posteriors().iter().map(|p| p.variance(i)).fold(0.0, f64::max);
+            let variance = |i| self.pool.posteriors.iter().map(|p| p.variance(i)).fold(0.0, f64::max);
             let spread: Vec<f64> = (0..self.free.len()).map(|i| variance(i) * feasible[i]).collect();
             best(&spread, &self.free)
         })
@@ -119,7 +112,7 @@ impl Selection {
         let score_of = |(i, j): (usize, &usize)| {
             let mut smallest = f64::INFINITY;
             for (s, mode) in modes.iter().enumerate() {
-                let deviation = self.pool.posteriors()[s].variance(i).sqrt();
+                let deviation = self.pool.posteriors[s].variance(i).sqrt();
                 let weight = weight(s, *j);
                 for (n, mean) in mode.means_of(*j).iter().enumerate() {
                     let u = distance_over_std(mean - mode.threshold, mode.sigma[n] * deviation);
@@ -128,7 +121,7 @@ impl Selection {
             }
             -smallest
         };
-        self.pool.members().iter().enumerate().map(score_of).collect()
+        self.pool.members.iter().enumerate().map(score_of).collect()
     }
 }
 
@@ -156,12 +149,12 @@ struct Nearness {
 
 impl Nearness {
     fn new(modes: &[Classification], pool: &JointPool) -> Self {
-        let p = pool.members().len();
+        let p = pool.members.len();
         let mut risk = vec![0.0; p];
         let mut targeted = vec![vec![0.0; p]; modes.len()];
         for (s, mode) in modes.iter().enumerate() {
-            for (i, j) in pool.members().iter().enumerate() {
-                let variance = pool.posteriors()[s].variance(i);
+            for (i, j) in pool.members.iter().enumerate() {
+                let variance = pool.posteriors[s].variance(i);
                 let root = variance.sqrt();
                 let left =
                     if mode.variance_factor[*j] > 0.0 { variance / mode.variance_factor[*j] } else { 0.0 };
@@ -181,9 +174,8 @@ impl Nearness {
 
 /// gain_j of every member `(p,)` [1], summed over modes.
 fn gains(pool: &JointPool, near: &Nearness) -> Vec<f64> {
-    let members = near.risk.len();
-    let mut gains = vec![0.0; members];
-    for (posterior, targeted) in pool.posteriors().iter().zip(&near.targeted) {
+    let mut gains = vec![0.0; near.risk.len()];
+    for (posterior, targeted) in pool.posteriors.iter().zip(&near.targeted) {
         for (j, gain) in gains.iter_mut().enumerate() {
             let denominator = posterior.variance(j) + posterior.noise();
             if denominator > 0.0 {
@@ -195,12 +187,27 @@ fn gains(pool: &JointPool, near: &Nearness) -> Vec<f64> {
     gains
 }
 
+/// Learning function by which the next samples are chosen.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum LearningFunction {
+    /// Alternately the largest expected reduction of the variance near the limit and the largest risk of a
+    /// wrong classification, see [`super::Selection`].
+    #[default]
+    Gain,
+    /// U, smallest |mean - threshold| / sigma of any limit state.
+    U,
+    /// U_c: U of each limit state over its weight by dominance, see [`super::dominance`].
+    Coupled,
+}
+
+named!(LearningFunction { Gain = "gain", U = "u", Coupled = "coupled" });
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::design::Population;
     use crate::learning::Pool;
-    use crate::learning::coupled_criterion::tests::mode;
+    use crate::learning::classification::tests::mode;
     use crate::surrogate::{Correlation, Kernel, Kriging};
     use common::random::Distribution;
     use faer::Mat;
@@ -214,7 +221,7 @@ mod tests {
             Correlation { kernel: Kernel::Gaussian, theta: vec![1.0], nugget: 1e-8, stated: 0.0 };
         let model = Kriging::condition(data.as_ref(), values.as_ref(), &correlation).unwrap();
         let variable = Distribution::normal(0.0, 1.0).unwrap();
-        let population = Population::draw(&[variable], 0, 1).with_points(places.to_vec());
+        let population = Population::draw(&[variable], 0, 1).with_descendants(places.to_vec(), vec![]);
         let members: Vec<usize> = (0..places.len()).filter(|i| !under_way.contains(i)).collect();
         let pool = Pool { sampled: members.len(), uncertain: members.len(), members };
         JointPool::new(pool, &under_way.collect::<Vec<usize>>(), &population, &[&model])
@@ -228,8 +235,8 @@ mod tests {
         function: LearningFunction,
     ) -> Selection {
         let pool = joint_pool(places, under_way);
-        let feasible = pool.members().iter().map(|j| feasible[*j]).collect();
-        Selection::new(pool, SelectionOptions { feasible, governing: 0, function })
+        let feasible = pool.members.iter().map(|j| feasible[*j]).collect();
+        Selection::new(pool, feasible, 0, function)
     }
 
     #[test]
@@ -239,15 +246,16 @@ mod tests {
         let n = places.len();
         let modes = [mode(&vec![1.1; n], &vec![1.3; n], 1.0)];
         for function in LearningFunction::ALL {
-            let chosen = selection(&places, &vec![1.0; n], 0..0, function).choose(&modes, 2);
+            let mut both = selection(&places, &vec![1.0; n], 0..0, function);
+            let chosen = [both.choose(&modes).unwrap(), both.choose(&modes).unwrap()];
             assert!(chosen[0] < 3 && chosen[1] >= 3, "{function:?} {chosen:?}");
             // The first cluster is being simulated already: the other one remains.
-            let chosen = selection(&places, &vec![1.0; n], 1..2, function).choose(&modes, 1);
-            assert!(chosen[0] >= 3, "{function:?} {chosen:?}");
+            let chosen = selection(&places, &vec![1.0; n], 1..2, function).choose(&modes);
+            assert!(chosen.unwrap() >= 3, "{function:?} {chosen:?}");
             // In the second no simulation gives a result.
             let feasible = [1.0, 1.0, 1.0, 0.0, 0.0];
-            let chosen = selection(&places, &feasible, 1..2, function).choose(&modes, 1);
-            assert!(chosen[0] < 3, "{function:?} {chosen:?}");
+            let chosen = selection(&places, &feasible, 1..2, function).choose(&modes);
+            assert!(chosen.unwrap() < 3, "{function:?} {chosen:?}");
         }
     }
 
@@ -258,8 +266,8 @@ mod tests {
         let modes =
             [Classification { mean: vec![1e9; 10], variance_factor: vec![1.0; 10], ..modes[0].clone() }];
         let mut selection = selection(&places, &[1.0; 2], 0..0, LearningFunction::Gain);
-        assert_eq!(selection.choose(&modes, 1), vec![1]);
+        assert_eq!(selection.choose(&modes), Some(1));
         // And then the other, and no more.
-        assert_eq!(selection.choose(&modes, 5), vec![0]);
+        assert_eq!((selection.choose(&modes), selection.choose(&modes)), (Some(0), None));
     }
 }

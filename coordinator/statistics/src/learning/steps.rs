@@ -102,8 +102,7 @@ fn different_values<H: Iterator<Item = f64>>(histories: impl Iterator<Item = H>)
 fn standard_deviation(values: &[(f64, usize)]) -> f64 {
     let count = values.iter().map(|(_, number)| number).sum::<usize>().max(1) as f64;
     let mean = values.iter().map(|(y, number)| y * *number as f64).sum::<f64>() / count;
-    let squares = values.iter().map(|(y, number)| (y - mean).powi(2) * *number as f64).sum::<f64>();
-    (squares / count).sqrt()
+    (values.iter().map(|(y, number)| (y - mean).powi(2) * *number as f64).sum::<f64>() / count).sqrt()
 }
 
 /// One of the values `(value, number)` nearest to the threshold, which comes before place `above`, and the largest step of

@@ -171,14 +171,10 @@ pub struct Stopping {
 }
 
 impl Stopping {
-    /// Records a round with `points` results; returns true once a rule has held over `rounds` rounds and
-    /// `needed` results, half as many for a population that only grew.
-    pub fn record_round(
-        &mut self,
-        met: Option<Rule>,
-        points: usize,
-        (rounds, needed): (usize, usize),
-    ) -> bool {
+    /// Records a round with `points` results; returns true once a rule has held over the rounds and results
+    /// `needed`, half as many results for a population that only grew.
+    pub fn record_round(&mut self, met: Option<Rule>, points: usize, needed: (usize, usize)) -> bool {
+        let (rounds, needed) = needed;
         if met.is_none() {
             self.held = 0;
             return false;
@@ -207,14 +203,9 @@ impl Stopping {
         explored(since)..explored(since + count)
     }
 
-    /// Restarts the count, after a contradicted prediction or for a conditional population.
-    pub fn reset(&mut self) {
-        *self = Self::default();
-    }
-
-    /// Restarts the count for a larger population, over half as many results.
-    pub fn reset_for_larger_population(&mut self) {
-        *self = Self { held_before: true, ..Self::default() };
+    /// Restarts the count, after a contradicted prediction or for another population; over half as many results if that is `similar`.
+    pub fn reset(&mut self, similar: bool) {
+        *self = Self { held_before: similar, ..Self::default() };
     }
 }
 
@@ -268,10 +259,10 @@ mod tests {
         assert_eq!((stopping.exploring(56, 5), stopping.exploring(57, 4)), (0..4, 1..4));
         assert!(stopping.record_round(Some(Rule::Learning), 68, targets));
         // Over a larger population half as many; after a contradiction all of them.
-        stopping.reset_for_larger_population();
+        stopping.reset(true);
         assert!(!stopping.is_holding() && !stopping.record_round(Some(Rule::Error), 68, targets));
         assert!(stopping.record_round(Some(Rule::Error), 74, targets));
-        stopping.reset();
+        stopping.reset(false);
         assert!(!stopping.record_round(Some(Rule::Error), 76, targets));
         assert!(!stopping.record_round(Some(Rule::Error), 84, targets));
     }

@@ -1,9 +1,7 @@
 //! Differences of the histories of one output, at every checkpoint; their form is the one that predicts the pairs left out better, over all
 //! checkpoints.
 
-use super::difference::{Difference, DifferenceForm};
-use super::kriged::KrigedDifference;
-use super::remainder::Remainder;
+use super::difference::{Difference, DifferenceForm, KrigedDifference, Remainder};
 
 /// Fewest pairs for a line.
 const ENOUGH: usize = 5;
@@ -49,20 +47,19 @@ impl HistoryDifference {
         };
         let constant = fit(DifferenceForm::Constant);
         let line = if pairs.len() >= ENOUGH { fit(DifferenceForm::Line) } else { constant.clone() };
-        let gain = |(line, constant): (&Difference, &Difference)| {
-            if constant.left_out > 0.0 { line.left_out / constant.left_out } else { 1.0 }
+        let gain = |left_out: f64, plain: &Difference| {
+            if plain.left_out > 0.0 { left_out / plain.left_out } else { 1.0 }
         };
-        let ratio = line.iter().zip(&constant).map(gain).sum::<f64>() / m as f64;
+        let gains = line.iter().zip(&constant).map(|(line, constant)| gain(line.left_out, constant));
+        let ratio = gains.sum::<f64>() / m as f64;
         let (form, differences) =
             if ratio < 1.0 { (DifferenceForm::Line, line) } else { (DifferenceForm::Constant, constant) };
         let points: Vec<&[f64]> = pairs.iter().map(|pair| pair.point).collect();
         let of_pair = |p: &HistoryPair<'_>| p.finer.iter().zip(p.working).map(|(f, w)| f - w).collect();
         let all: Vec<Vec<f64>> = pairs.iter().map(of_pair).collect();
         let kriged = KrigedDifference::fit(&points, &all).filter(|kriged| {
-            let gain = |(kriged, plain): (&f64, &Difference)| {
-                if plain.left_out > 0.0 { kriged / plain.left_out } else { 1.0 }
-            };
-            kriged.left_out.iter().zip(&differences).map(gain).sum::<f64>() < BETTER * m as f64
+            let gains = kriged.left_out.iter().zip(&differences).map(|(own, plain)| gain(*own, plain));
+            gains.sum::<f64>() < BETTER * m as f64
         });
         let remainder = |n: usize| {
             let third =
@@ -93,7 +90,11 @@ impl HistoryDifference {
 
     /// The form in a word.
     pub fn form(&self) -> &'static str {
-        if self.kriged.is_some() { "kriging" } else { self.form.name() }
+        match self.form {
+            _ if self.kriged.is_some() => "kriging",
+            DifferenceForm::Constant => "constant",
+            DifferenceForm::Line => "line",
+        }
     }
 
     /// What is added to a value of the first level at checkpoint `n` and at values of the variables `(d,)` [unit of the output].
@@ -119,9 +120,8 @@ impl HistoryDifference {
 
     /// The part of it that more pairs reduce [unit of the output].
     pub fn std_of_pairs(&self, n: usize, value: f64) -> f64 {
-        self.kriged
-            .as_ref()
-            .map_or_else(|| self.differences[n].std_at(value), |kriged| kriged.left_out[n].sqrt())
+        let kriged = self.kriged.as_ref().map(|kriged| kriged.left_out[n].sqrt());
+        kriged.unwrap_or_else(|| self.differences[n].std_at(value))
     }
 
     /// Spread of the pairs around the difference at checkpoint `n`, which acts as noise [unit of the output]; where the difference follows

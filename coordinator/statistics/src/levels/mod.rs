@@ -17,9 +17,6 @@
 
 mod difference;
 mod history;
-mod kriged;
-mod remainder;
 
-pub use difference::{Difference, DifferenceForm};
+pub use difference::{Difference, DifferenceForm, Remainder};
 pub use history::{HistoryDifference, HistoryPair};
-pub use remainder::Remainder;

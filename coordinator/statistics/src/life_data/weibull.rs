@@ -182,12 +182,9 @@ impl WeibullFit {
         let mut damping = 1e-3 * data.len() as f64;
         for _ in 0..500 {
             let [uu, uv, vv] = curvature(place, data);
-            let (a, d) = (damping - uu, damping - vv);
+            let (a, d, [by_u, by_v]) = (damping - uu, damping - vv, gradient);
             let determinant = a * d - uv * uv;
-            let step = [
-                (d * gradient[0] + uv * gradient[1]) / determinant,
-                (uv * gradient[0] + a * gradient[1]) / determinant,
-            ];
+            let step = [(d * by_u + uv * by_v) / determinant, (uv * by_u + a * by_v) / determinant];
             let next = [place[0] + step[0], place[1] + step[1]];
             let found = ln_likelihood(next, data);
             let is_better = a > 0.0 && determinant > 0.0 && found.0 >= value && step[1].abs() < 2.0;
@@ -223,8 +220,7 @@ impl WeibullFit {
     /// The life at which the reliability has fallen to `r` [cycles]; that of exp(-1) is the scale.
     pub fn life(&self, r: f64, confidence: f64) -> FitBounds {
         let w = (-r.ln()).ln();
-        let slope = [1.0, -w / self.law.shape];
-        self.bounds(slope, confidence, |x, v| [x - w * (-v).exp(), v])
+        self.bounds([1.0, -w / self.law.shape], confidence, |x, v| [x - w * (-v).exp(), v])
     }
 
     /// Fisher bounds of R at a life [1]: those of ln(-ln R).

@@ -61,14 +61,12 @@ pub fn cheapest_choice(
     most: usize,
     mut examine: impl FnMut(&[usize]) -> Option<f64>,
 ) -> ChoiceSearch {
-    let order: Vec<Vec<usize>> = costs
-        .iter()
-        .map(|costs| {
-            let mut order: Vec<usize> = (0..costs.len()).collect();
-            order.sort_by(|a, b| costs[*a].total_cmp(&costs[*b]));
-            order
-        })
-        .collect();
+    let by_cost = |costs: &Vec<f64>| {
+        let mut order: Vec<usize> = (0..costs.len()).collect();
+        order.sort_by(|a, b| costs[*a].total_cmp(&costs[*b]));
+        order
+    };
+    let order: Vec<Vec<usize>> = costs.iter().map(by_cost).collect();
     let cost_of = |places: &[usize]| -> f64 {
         rest + places.iter().enumerate().map(|(k, place)| costs[k][order[k][*place]]).sum::<f64>()
     };

@@ -14,7 +14,6 @@
 //! Fritsch, Butland (1984), SIAM Journal on Scientific and Statistical Computing 5(2).
 
 use common::scene::monotone::fritsch_butland;
-use thiserror::Error;
 
 /// Cost as a function of a quantity t [chosen unit].
 #[derive(Debug, Clone, PartialEq)]
@@ -48,25 +47,6 @@ pub enum CostModel {
     Table(CostTable),
 }
 
-/// Reasons why a table gives no cost.
-#[derive(Debug, Clone, Copy, PartialEq, Error)]
-pub enum TableError {
-    /// Fewer than two points.
-    #[error("{points} points, expected at least 2")]
-    TooFew {
-        /// Number of points.
-        points: usize,
-    },
-    /// A place that is not above the one before it.
-    #[error("{value} follows {before}, expected places in ascending order")]
-    NotAscending {
-        /// The place before it in the table.
-        before: f64,
-        /// Place that should be above it.
-        value: f64,
-    },
-}
-
 /// Points (t, cost) joined by a cubic that has no extremum between them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CostTable {
@@ -79,13 +59,13 @@ impl CostTable {
     /// A table of `points` (t, cost) with ascending t.
     ///
     /// # Errors
-    /// [`TableError`].
-    pub fn new(points: &[(f64, f64)]) -> Result<Self, TableError> {
+    /// Why the points give no cost, in words.
+    pub fn new(points: &[(f64, f64)]) -> Result<Self, String> {
         if points.len() < 2 {
-            return Err(TableError::TooFew { points: points.len() });
+            return Err(format!("{} points, expected at least 2", points.len()));
         }
         if let Some(pair) = points.windows(2).find(|pair| pair[1].0 <= pair[0].0 || pair[1].0.is_nan()) {
-            return Err(TableError::NotAscending { before: pair[0].0, value: pair[1].0 });
+            return Err(format!("{} follows {}, expected places in ascending order", pair[1].0, pair[0].0));
         }
         let (t, cost): (Vec<f64>, Vec<f64>) = points.iter().copied().unzip();
         let width: Vec<f64> = t.windows(2).map(|t| t[1] - t[0]).collect();
@@ -93,13 +73,7 @@ impl CostTable {
         let last = chord.len() - 1;
         // Slope at a point: weighted harmonic mean of the chords beside it; zero at an extremum of the points.
         let inner = |i: usize| fritsch_butland([width[i - 1], width[i]], [chord[i - 1], chord[i]]);
-        let slope = (0..t.len())
-            .map(|i| match i {
-                0 => chord[0],
-                i if i == last + 1 => chord[last],
-                i => inner(i),
-            })
-            .collect();
+        let slope = [chord[0]].into_iter().chain((1..=last).map(inner)).chain([chord[last]]).collect();
         Ok(Self { t, cost, slope })
     }
 
@@ -172,8 +146,8 @@ mod tests {
 
     #[test]
     fn tables_need_ascending_points() {
-        assert_eq!(CostTable::new(&[(1.0, 2.0)]), Err(TableError::TooFew { points: 1 }));
+        assert_eq!(CostTable::new(&[(1.0, 2.0)]), Err("1 points, expected at least 2".to_owned()));
         let twice = CostTable::new(&[(1.0, 2.0), (1.0, 1.0)]);
-        assert_eq!(twice, Err(TableError::NotAscending { before: 1.0, value: 1.0 }));
+        assert_eq!(twice, Err("1 follows 1, expected places in ascending order".to_owned()));
     }
 }

@@ -14,5 +14,5 @@ mod cost;
 mod program;
 
 pub use choices::{ChoiceSearch, cheapest_choice};
-pub use cost::{CostModel, CostTable, TableError};
+pub use cost::{CostModel, CostTable};
 pub use program::{Minimum, Nearest, Program, minimise, nearest};

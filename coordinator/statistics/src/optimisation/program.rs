@@ -107,18 +107,6 @@ impl Remembered<'_> {
         (memo.constraints, memo.slopes) = (constraints, None);
         memo.evaluations += 1;
     }
-
-    fn constraint(&self, i: usize, x: &[f64]) -> f64 {
-        self.visit(x);
-        self.memo.borrow().constraints[i]
-    }
-
-    fn slope(&self, i: usize, x: &[f64], into: &mut [f64], sign: f64) {
-        self.visit(x);
-        let mut memo = self.memo.borrow_mut();
-        let slopes = memo.slopes.get_or_insert_with(|| self.program.slopes(x));
-        into.iter_mut().zip(&slopes[i]).for_each(|(into, slope)| *into = sign * slope);
-    }
 }
 
 fn violation(constraints: &[f64]) -> f64 {
@@ -153,8 +141,7 @@ pub fn nearest(program: &dyn Program, constraints: usize, start: &[f64]) -> Near
     let start = clamped(start, &program.bounds());
     let level = program.constraints(&start).into_iter().fold(f64::INFINITY, f64::min);
     let from: Vec<f64> = start.iter().copied().chain([level]).collect();
-    let found = minimise(&raised, constraints, &from);
-    let x = found.x[..start.len()].to_vec();
+    let x = minimise(&raised, constraints, &from).x[..start.len()].to_vec();
     Nearest { constraints: program.constraints(&x), x }
 }
 
@@ -178,10 +165,13 @@ fn descend(remembered: &Rc<Remembered<'_>>, constraints: usize, start: &[f64]) {
     let constraint = |i: usize| -> Callback<'_> {
         let remembered = Rc::clone(remembered);
         Box::new(move |x: &[f64], gradient: Option<&mut [f64]>, _: &mut ()| {
+            remembered.visit(x);
+            let mut memo = remembered.memo.borrow_mut();
             if let Some(gradient) = gradient {
-                remembered.slope(i, x, gradient, -1.0);
+                let slopes = memo.slopes.get_or_insert_with(|| remembered.program.slopes(x));
+                gradient.iter_mut().zip(&slopes[i]).for_each(|(into, slope)| *into = -slope);
             }
-            -remembered.constraint(i, x)
+            -memo.constraints[i]
         })
     };
     let callbacks: Vec<Callback<'_>> = (0..constraints).map(constraint).collect();
@@ -230,13 +220,9 @@ impl Program for Raised<'_> {
 
 /// Multipliers of the constraints `(c,)` at x: least squares over the active ones, those that come out negative dropped.
 fn multipliers(program: &dyn Program, x: &[f64], values: &[f64]) -> Vec<f64> {
-    let free: Vec<usize> = program
-        .bounds()
-        .iter()
-        .enumerate()
-        .filter(|(k, (lower, upper))| x[*k] - lower > ACTIVE && upper - x[*k] > ACTIVE)
-        .map(|(k, _)| k)
-        .collect();
+    let bounds = program.bounds();
+    let is_free = |k: &usize| x[*k] - bounds[*k].0 > ACTIVE && bounds[*k].1 - x[*k] > ACTIVE;
+    let free: Vec<usize> = (0..bounds.len()).filter(is_free).collect();
     let mut found = vec![0.0; values.len()];
     let mut active: Vec<usize> = (0..values.len()).filter(|i| values[*i] < ACTIVE).collect();
     if active.is_empty() || free.is_empty() {
@@ -245,8 +231,7 @@ fn multipliers(program: &dyn Program, x: &[f64], values: &[f64]) -> Vec<f64> {
     let (slopes, gradient) = (program.slopes(x), program.objective(x).1);
     while !active.is_empty() && active.len() <= free.len() {
         let columns = Mat::from_fn(free.len(), active.len(), |k, i| slopes[active[i]][free[k]]);
-        let right = Mat::from_fn(free.len(), 1, |k, _| gradient[free[k]]);
-        let solved = columns.qr().solve_lstsq(right);
+        let solved = columns.qr().solve_lstsq(Mat::from_fn(free.len(), 1, |k, _| gradient[free[k]]));
         let least = (0..active.len()).min_by(|a, b| solved[(*a, 0)].total_cmp(&solved[(*b, 0)]));
         match least.filter(|i| solved[(*i, 0)] < 0.0 || solved[(*i, 0)].is_nan()) {
             Some(negative) => {

@@ -94,36 +94,37 @@ impl Track<'_> {
     fn bounds(&self, k: isize, bracket: &Bracket) -> (f64, f64) {
         let Bracket { left, right, .. } = *bracket;
         let slope = secant(left, right);
-        let mut found = Extent::new(bracket.chord());
+        let (mut least, mut most) = (bracket.chord(), bracket.chord());
+        let mut include = |share: f64| (least, most) = (least.min(share), most.max(share));
         let (before, after) = (self.point(k - 2), self.point(k + 1));
         let continued = before.map(|point| bracket.line_through_left(secant(point, left)));
         let backwards = after.map(|point| bracket.line_through_right(secant(right, point)));
         match (continued, backwards) {
             (Some(first), Some(second)) => {
-                let slopes = (before.map(|p| secant(p, left)), after.map(|p| secant(right, p)));
-                let (s0, s1) = (slopes.0.unwrap_or(slope), slopes.1.unwrap_or(slope));
+                let s0 = before.map_or(slope, |point| secant(point, left));
+                let s1 = after.map_or(slope, |point| secant(right, point));
                 if s0 <= slope && slope <= s1 {
-                    found.include(first.min(second));
+                    include(first.min(second));
                 } else if s0 >= slope && slope >= s1 {
-                    found.include(first.max(second));
+                    include(first.max(second));
                 } else {
-                    found.include(first);
-                    found.include(second);
+                    include(first);
+                    include(second);
                 }
             }
-            (Some(one), None) | (None, Some(one)) => found.include(one),
+            (Some(one), None) | (None, Some(one)) => include(one),
             (None, None) => return (0.0, 1.0),
         }
         if let Some(point) = before {
-            found.include(bracket.parabola((slope - secant(point, left)) / (right.0 - point.0)));
+            include(bracket.parabola((slope - secant(point, left)) / (right.0 - point.0)));
         }
         if let Some(point) = after {
-            found.include(bracket.parabola((secant(right, point) - slope) / (point.0 - left.0)));
+            include(bracket.parabola((secant(right, point) - slope) / (point.0 - left.0)));
         }
         if let (None, Some(second), Some(third)) = (before, after, self.point(k + 2)) {
-            found.include(bracket.extrapolated(second, third));
+            include(bracket.extrapolated(second, third));
         }
-        (found.least, found.most)
+        (least, most)
     }
 
     /// Best estimate in the interval that ends with checkpoint `k`; `None` without a point besides its two ends.
@@ -204,23 +205,6 @@ impl Bracket {
     }
 }
 
-/// Smallest and largest of some shares.
-struct Extent {
-    least: f64,
-    most: f64,
-}
-
-impl Extent {
-    fn new(share: f64) -> Self {
-        Self { least: share, most: share }
-    }
-
-    fn include(&mut self, share: f64) {
-        self.least = self.least.min(share);
-        self.most = self.most.max(share);
-    }
-}
-
 fn secant(a: TimeAndValue, b: TimeAndValue) -> f64 {
     (b.1 - a.1) / (b.0 - a.0)
 }
@@ -234,7 +218,7 @@ fn monotone_cubic(points: [Option<TimeAndValue>; 4], y: f64) -> f64 {
         outer.map(|outer| (secant(outer, end), (outer.0 - end.0).abs()))
     };
     let (first, last) = (slope_with(before, left), slope_with(after, right));
-    let [d0, d1] = end_slopes((middle, h), first, last);
+    let [d0, d1] = end_slopes((middle, h), [first, last]);
     let value = |t: f64| {
         let u = 1.0 - t;
         left.1 * (1.0 + 2.0 * t) * u * u
@@ -267,11 +251,7 @@ fn monotone_cubic(points: [Option<TimeAndValue>; 4], y: f64) -> f64 {
 
 /// Slopes of the monotone cubic at both ends of an interval, which is given by its secant and width, as are the intervals before
 /// and after it, if there are any: by Fritsch and Butland between two intervals, one-sided at an outer end.
-pub(super) fn end_slopes(
-    own: SecantAndWidth,
-    before: Option<SecantAndWidth>,
-    after: Option<SecantAndWidth>,
-) -> [f64; 2] {
+pub(super) fn end_slopes(own: SecantAndWidth, [before, after]: [Option<SecantAndWidth>; 2]) -> [f64; 2] {
     let (s0, h0) = own;
     let slope =
         |neighbour: Option<SecantAndWidth>, opposite: Option<SecantAndWidth>| match (neighbour, opposite) {

@@ -29,7 +29,7 @@
 //! Carlo rendering; Owen, Zhou (2000), Safe and effective importance sampling. Systematic resampling: Kitagawa
 //! (1996), Monte Carlo filter and smoother for non-Gaussian nonlinear state space models.
 
-use super::Subset;
+use super::{Responses, Subset};
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
 
@@ -83,19 +83,13 @@ struct Proposals {
 impl ImportanceSampling {
     /// Runs the sampling from points `known` `(k, d)` row-major, some of which lie in the event. `respond` returns
     /// the responses `(k,)` at points `(k, d)` row-major. `None` if no known point lies in the event.
-    pub fn run(
-        &self,
-        known: Vec<f64>,
-        rng: &mut impl Rng,
-        respond: &dyn Fn(&[f64]) -> Vec<f64>,
-    ) -> Option<Subset> {
+    pub fn run(&self, known: Vec<f64>, rng: &mut impl Rng, respond: &Responses<'_>) -> Option<Subset> {
         let d = self.variables;
         let y = respond(&known);
         let mut known = self.in_event(&known, &y);
         let mut mixture = Mixture::cover(&known, d)?;
         for _ in 0..TRIALS.0 {
-            let count = (TRIAL * self.samples as f64) as usize;
-            let trial = mixture.propose(count, self.level, rng, respond);
+            let trial = mixture.propose((TRIAL * self.samples as f64) as usize, self.level, rng, respond);
             known.extend(self.in_event(&trial.u, &trial.y));
             let enough = trial.variation() <= TRIALS.1;
             mixture = Mixture::cover(&known, d)?;
@@ -103,8 +97,7 @@ impl ImportanceSampling {
                 break;
             }
         }
-        let count = (PROPOSALS * self.samples as f64) as usize;
-        let proposals = mixture.propose(count, self.level, rng, respond);
+        let proposals = mixture.propose((PROPOSALS * self.samples as f64) as usize, self.level, rng, respond);
         let sum: f64 = proposals.w.iter().sum();
         (sum > 0.0).then(|| self.resampled(&proposals, sum, rng))
     }
@@ -182,13 +175,7 @@ impl Mixture {
     }
 
     /// Draws proposals: the given `count`, in shares as exact as whole numbers allow.
-    fn propose(
-        &self,
-        count: usize,
-        level: f64,
-        rng: &mut impl Rng,
-        respond: &dyn Fn(&[f64]) -> Vec<f64>,
-    ) -> Proposals {
+    fn propose(&self, count: usize, level: f64, rng: &mut impl Rng, respond: &Responses<'_>) -> Proposals {
         let d = self.d;
         let mut u = Vec::with_capacity(count * d);
         let mut cumulated = 0.0;
@@ -213,15 +200,11 @@ impl Mixture {
         let square: f64 = u.iter().map(|u| u * u).sum();
         let s = self.inflated;
         let inflated = INFLATED * (0.5 * square * (1.0 - s.powi(-2)) - self.d as f64 * s.ln()).exp();
-        let moved: f64 = self
-            .centres
-            .chunks_exact(self.d)
-            .zip(&self.shares)
-            .map(|(c, share)| {
-                let exponent: f64 = c.iter().zip(u).map(|(c, u)| c * (u - 0.5 * c)).sum();
-                share * exponent.exp()
-            })
-            .sum();
+        let of_centre = |(c, share): (&[f64], &f64)| {
+            let exponent: f64 = c.iter().zip(u).map(|(c, u)| c * (u - 0.5 * c)).sum();
+            share * exponent.exp()
+        };
+        let moved: f64 = self.centres.chunks_exact(self.d).zip(&self.shares).map(of_centre).sum();
         1.0 / (inflated + moved)
     }
 }

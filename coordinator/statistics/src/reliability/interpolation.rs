@@ -26,7 +26,7 @@ impl Track<'_> {
         let middle = piece(left, right);
         let before = (after > 1).then(|| piece(point(after - 2), left));
         let behind = (after + 1 < count).then(|| piece(right, point(after + 1)));
-        let [d0, d1] = end_slopes(middle, before, behind);
+        let [d0, d1] = end_slopes(middle, [before, behind]);
         let (t, u) = ((time - left.0) / h, (right.0 - time) / h);
         let ends = left.1 * (1.0 + 2.0 * t) * u * u + right.1 * t * t * (3.0 - 2.0 * t);
         Some(ends + h * t * u * (d0 * u - d1 * t))

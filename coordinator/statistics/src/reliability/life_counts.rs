@@ -5,11 +5,27 @@
 //! never mix with those of the next, so that the shares at the checkpoints are those of the classification. The system's life
 //! is the shortest of its limit states, for each estimate by itself.
 //!
+//! Range of the reliability under the numerical errors of the simulations: R(n) is counted twice more, with all responses
+//! shifted by their errors to the unsafe and to the safe side.
+//!
+//! The numerical error of neighbouring simulations is alike, so it moves all responses together. It is 1.96 standard deviations of the
+//! correction by pairs of levels, see [`super::super::levels`], or without pairs the error that the simulations state, which is larger
+//! than nearly all true ones. The range enters the interval of R(n) as an independent part of it, on either side.
+//!
+//! With surrogates the error of a point of the population follows from a straight line through the stated
+//! errors e_i over the values y_i at the same checkpoint, by least squares, clamped to the range of the
+//! stated errors:
+//!
+//!   e(y) = mean(e) + slope (y - mean(y)),   slope = sum (y_i - mean(y)) (e_i - mean(e)) / sum (y_i - mean(y))^2.
+//!
+//! So the error may grow with the response, as that of a growing vibration does.
+//!
 //! # Source
 //! Derived here, from the crossings of `crossing.rs`.
+//! The line is ordinary least squares; the range is this project's own convention.
 
 use super::crossing::{Crossing, Track};
-use super::numerical::NumericalBand;
+use faer::MatRef;
 
 /// A life: the interval in which it ends, and the share of the interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,8 +43,7 @@ impl LifePosition {
     /// The shorter of two lives.
     #[must_use]
     pub fn earlier(self, other: Self) -> Self {
-        let other_first = (other.interval, other.share) < (self.interval, self.share);
-        if other_first { other } else { self }
+        if (other.interval, other.share) < (self.interval, self.share) { other } else { self }
     }
 }
 
@@ -81,31 +96,24 @@ pub fn mode_lives(
     room: &mut Vec<f64>,
 ) -> ModeLives {
     let m = track.times.len();
-    let place = |k: usize, share: fn(&Crossing) -> f64, crossing: &Crossing| LifePosition {
-        interval: k as u32,
-        share: share(crossing),
-    };
+    let place = |k: usize, share: f64| LifePosition { interval: k as u32, share };
     let mut lives = [LifePosition::NEVER; ESTIMATES];
     if first < m {
-        let crossing = track.crossing(first, threshold);
-        let estimates: [fn(&Crossing) -> f64; 3] = [|c| c.best, |c| c.earliest, |c| c.latest];
-        for (life, estimate) in lives.iter_mut().zip(estimates) {
-            *life = place(first, estimate, &crossing);
-        }
+        let Crossing { best, earliest, latest } = track.crossing(first, threshold);
+        lives.iter_mut().zip([best, earliest, latest]).for_each(|(life, share)| *life = place(first, share));
     }
-    let mut shifted = |of: &[f64], sign: f64, share: fn(&Crossing) -> f64| {
+    let mut shifted = |of: &[f64], sign: f64| {
         room.clear();
         room.extend(track.values.iter().zip(of).map(|(value, error)| value + sign * error));
         let Some(k) = room.iter().position(|value| *value >= threshold) else { return LifePosition::NEVER };
         let start = track.start.map(|start| start + sign * of[0]);
-        place(k, share, &Track { values: room, start, ..*track }.crossing(k, threshold))
+        place(k, Track { values: room, start, ..*track }.crossing(k, threshold).best)
     };
-    lives[LifeEstimate::Unsafe as usize] = shifted(errors.numerical, 1.0, |c| c.best);
-    lives[LifeEstimate::Safe as usize] = shifted(errors.numerical, -1.0, |c| c.best);
+    lives[LifeEstimate::Unsafe as usize] = shifted(errors.numerical, 1.0);
+    lives[LifeEstimate::Safe as usize] = shifted(errors.numerical, -1.0);
     let best = lives[LifeEstimate::Best as usize];
     let predicted = errors.predicted;
-    let mut by_prediction =
-        |sign: f64| if predicted.is_empty() { best } else { shifted(predicted, sign, |c| c.best) };
+    let mut by_prediction = |sign: f64| if predicted.is_empty() { best } else { shifted(predicted, sign) };
     lives[LifeEstimate::Larger as usize] = by_prediction(1.0);
     lives[LifeEstimate::Smaller as usize] = by_prediction(-1.0);
     lives
@@ -135,16 +143,8 @@ impl LifeCounts {
     pub fn new(modes: usize, intervals: usize) -> Self {
         let parts = PARTS.div_ceil(intervals.max(1)).max(LEAST_PARTS);
         let counts = vec![0; (modes + 1) * ESTIMATES * intervals * parts];
-        let at_start = vec![0; (modes + 1) * ESTIMATES];
-        Self {
-            modes,
-            intervals,
-            parts,
-            samples: 0,
-            counts,
-            at_start,
-            first: vec![0; (modes + 1) * intervals],
-        }
+        let (at_start, first) = (vec![0; (modes + 1) * ESTIMATES], vec![0; (modes + 1) * intervals]);
+        Self { modes, intervals, parts, samples: 0, counts, at_start, first }
     }
 
     /// Adds a sample: the lives by each limit state `(modes,)`.
@@ -236,6 +236,51 @@ impl LifeCounts {
     }
 }
 
+/// Failure shares with the responses shifted by their errors.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NumericalBand {
+    /// Failure shares with every response smaller `(limit states + 1, m)` [1].
+    pub least: Vec<Vec<f64>>,
+    /// Failure shares with every response larger `(limit states + 1, m)` [1].
+    pub most: Vec<Vec<f64>>,
+}
+
+/// Stated error as a straight line over the value, clamped to [least, most].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ErrorLine {
+    centre: f64,
+    mean: f64,
+    slope: f64,
+    least: f64,
+    most: f64,
+}
+
+impl ErrorLine {
+    /// The least-squares line through pairs of value and error; constant without any spread of the values.
+    pub fn fit(pairs: &[(f64, f64)]) -> Self {
+        let n = pairs.len().max(1) as f64;
+        let centre = pairs.iter().map(|(y, _)| y).sum::<f64>() / n;
+        let mean = pairs.iter().map(|(_, e)| e).sum::<f64>() / n;
+        let square: f64 = pairs.iter().map(|(y, _)| (y - centre).powi(2)).sum();
+        let product: f64 = pairs.iter().map(|(y, e)| (y - centre) * (e - mean)).sum();
+        let slope = if square > 0.0 { product / square } else { 0.0 };
+        let least = pairs.iter().map(|(_, e)| *e).fold(mean, f64::min);
+        let most = pairs.iter().map(|(_, e)| *e).fold(mean, f64::max);
+        Self { centre, mean, slope, least, most }
+    }
+
+    /// The lines at each checkpoint `(m,)` through values and their errors `(n, m)`.
+    pub fn by_checkpoint(values: MatRef<'_, f64>, errors: MatRef<'_, f64>) -> Vec<Self> {
+        let pairs = |k: usize| values.col(k).iter().copied().zip(errors.col(k).iter().copied());
+        (0..values.ncols()).map(|k| Self::fit(&pairs(k).collect::<Vec<_>>())).collect()
+    }
+
+    /// Error at a value [unit of the output].
+    pub fn evaluate(&self, value: f64) -> f64 {
+        (self.mean + self.slope * (value - self.centre)).clamp(self.least, self.most)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -300,5 +345,14 @@ mod tests {
         let beyond = mode_lives(&track, &errors, 3.2, 3, &mut Vec::new());
         assert_eq!(beyond[LifeEstimate::Best as usize], LifePosition::NEVER);
         assert_ne!(beyond[LifeEstimate::Unsafe as usize], LifePosition::NEVER);
+    }
+
+    #[test]
+    fn a_line_follows_the_errors_and_stays_among_them() {
+        let line = ErrorLine::fit(&[(0.0, 0.1), (1.0, 0.3), (2.0, 0.5), (3.0, 0.7)]);
+        assert!((line.evaluate(1.5) - 0.4).abs() < 1e-15 && (line.evaluate(2.5) - 0.6).abs() < 1e-15);
+        assert_eq!((line.evaluate(-9.0), line.evaluate(9.0)), (0.1, 0.7));
+        let alike = ErrorLine::fit(&[(5.0, 0.2), (5.0, 0.4)]);
+        assert!((alike.evaluate(7.0) - 0.3).abs() < 1e-15);
     }
 }

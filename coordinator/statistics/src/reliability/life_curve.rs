@@ -145,8 +145,7 @@ impl LifeCurve {
     /// The curve with failure probabilities up to `possible` [1], a function of the time [cycles], within its intervals.
     #[must_use]
     pub fn with_possible(mut self, possible: impl Fn(f64) -> f64) -> Self {
-        let lower = self.lower.iter_mut().zip(&self.cycles);
-        lower.for_each(|(r, time)| *r = r.min(1.0 - possible(*time)));
+        self.lower.iter_mut().zip(&self.cycles).for_each(|(r, time)| *r = r.min(1.0 - possible(*time)));
         self
     }
 
@@ -177,7 +176,7 @@ impl LifeCurve {
 
     /// The curve without points between the checkpoints, which are `parts` points apart, that straight lines replace. `probability` [1] is
     /// that of the condition.
-    fn thinned(&self, probability: f64, parts: usize) -> Self {
+    fn thinned(mut self, probability: f64, parts: usize) -> Self {
         let curves = [&self.reliability, &self.lower, &self.upper, &self.earliest, &self.latest];
         let differs = |from: usize, to: usize| {
             curves.iter().any(|curve| {
@@ -200,15 +199,11 @@ impl LifeCurve {
         }
         kept.push(end);
         kept.dedup();
-        let thin = |curve: &[f64]| kept.iter().map(|place| curve[*place]).collect();
-        Self {
-            cycles: thin(&self.cycles),
-            reliability: thin(&self.reliability),
-            lower: thin(&self.lower),
-            upper: thin(&self.upper),
-            earliest: thin(&self.earliest),
-            latest: thin(&self.latest),
+        let stated = [&mut self.cycles, &mut self.reliability, &mut self.lower, &mut self.upper];
+        for values in stated.into_iter().chain([&mut self.earliest, &mut self.latest]) {
+            *values = kept.iter().map(|place| values[*place]).collect();
         }
+        self
     }
 }
 

@@ -122,7 +122,8 @@ impl LineSampling {
                     let next = share(&failed);
                     let weight = (next - value) * standard_normal_pdf(root.t) / root.slope / lines as f64;
                     if weight != 0.0 && weight.is_finite() {
-                        let point = along(feet.as_ref(), l, direction, root.t).collect();
+                        let point =
+                            (0..direction.len()).map(|k| feet[(k, l)] + root.t * direction[k]).collect();
                         roots.push(LineRoot { point, mode: root.mode, weight });
                     }
                     (from, value) = (root.t, next);
@@ -140,38 +141,31 @@ impl LineSampling {
     /// the origin, then their means over the roots of some lines, weighted with the density.
     pub fn directions(&self, modes: usize, margins: &Margins<'_>) -> Vec<Vec<f64>> {
         let d = self.normals.nrows();
-        let origin = Mat::zeros(d, 1);
-        let at_origin = gradients(origin.as_ref(), 0.5, margins);
-        (0..modes)
-            .map(|i| {
-                let mut direction = unit((0..d).map(|k| at_origin[k][(i, 0)]).collect());
-                for _ in 0..SEARCH_ROUNDS {
-                    let lines = self.lines().min(SEARCH_LINES);
-                    let (feet, _, brackets) = self.crossings(lines, &direction, margins);
-                    // Only rises count: they bound the failures that lie along the direction.
-                    let rising: Vec<&RootBracket> =
-                        brackets.iter().filter(|root| root.mode == i && root.slope > 0.0).collect();
-                    let nearest = rising.iter().map(|root| root.t.powi(2)).fold(f64::INFINITY, f64::min);
-                    if rising.is_empty() {
-                        break;
-                    }
-                    let points: Vec<Vec<f64>> = rising
-                        .iter()
-                        .map(|root| along(feet.as_ref(), root.line, &direction, root.t).collect())
-                        .collect();
-                    let points = Mat::from_fn(d, points.len(), |k, j| points[j][k]);
-                    let slopes = gradients(points.as_ref(), 0.05, margins);
-                    let mut mean = vec![0.0; d];
-                    for (j, root) in rising.iter().enumerate() {
-                        let weight = (-0.5 * (root.t.powi(2) - nearest)).exp();
-                        let gradient = unit((0..d).map(|k| slopes[k][(i, j)]).collect());
-                        mean.iter_mut().zip(gradient).for_each(|(m, g)| *m += weight * g);
-                    }
-                    direction = unit(mean);
+        let at_origin = gradients(Mat::zeros(d, 1).as_ref(), 0.5, margins);
+        let of_mode = |i: usize| {
+            let mut direction = unit((0..d).map(|k| at_origin[k][(i, 0)]).collect());
+            for _ in 0..SEARCH_ROUNDS {
+                let (feet, _, brackets) = self.crossings(self.lines().min(SEARCH_LINES), &direction, margins);
+                // Only rises count: they bound the failures that lie along the direction.
+                let is_rise = |root: &&RootBracket| root.mode == i && root.slope > 0.0;
+                let rising: Vec<&RootBracket> = brackets.iter().filter(is_rise).collect();
+                let nearest = rising.iter().map(|root| root.t.powi(2)).fold(f64::INFINITY, f64::min);
+                if rising.is_empty() {
+                    break;
                 }
-                direction
-            })
-            .collect()
+                let point = |k: usize, j: usize| feet[(k, rising[j].line)] + rising[j].t * direction[k];
+                let slopes = gradients(Mat::from_fn(d, rising.len(), point).as_ref(), 0.05, margins);
+                let mut mean = vec![0.0; d];
+                for (j, root) in rising.iter().enumerate() {
+                    let weight = (-0.5 * (root.t.powi(2) - nearest)).exp();
+                    let gradient = unit((0..d).map(|k| slopes[k][(i, j)]).collect());
+                    mean.iter_mut().zip(gradient).for_each(|(m, g)| *m += weight * g);
+                }
+                direction = unit(mean);
+            }
+            direction
+        };
+        (0..modes).map(of_mode).collect()
     }
 
     /// Points of the lines perpendicular to `direction` `(d, lines)`, the margins at the lower ends `(modes, lines)`, and
@@ -266,16 +260,6 @@ fn gradients(points: MatRef<'_, f64>, step: f64, margins: &Margins<'_>) -> Vec<M
         margins(points.as_ref())
     };
     (0..points.nrows()).map(|k| (shifted(k, step) - shifted(k, -step)) * (0.5 / step)).collect()
-}
-
-/// The point at `t` on line `l` `(d,)`.
-fn along<'a>(
-    feet: MatRef<'a, f64>,
-    l: usize,
-    direction: &'a [f64],
-    t: f64,
-) -> impl Iterator<Item = f64> + 'a {
-    (0..direction.len()).map(move |k| feet[(k, l)] + t * direction[k])
 }
 
 /// The unit vector of `vector`; the first axis if it vanishes.

@@ -29,7 +29,6 @@ mod interpolation;
 mod life_counts;
 mod life_curve;
 mod line_sampling;
-mod numerical;
 pub mod paired;
 mod population_lives;
 mod subset;
@@ -43,9 +42,10 @@ pub use distribution::{
     Histogram, OutputDistribution, PROBABILITIES, distributions_from_samples, predict_distributions,
 };
 pub use importance::ImportanceSampling;
-pub use life_counts::{LifeCounts, LifeEstimate, LifePosition, ModeLives, ResponseErrors, mode_lives};
+pub use life_counts::{
+    ErrorLine, LifeCounts, LifeEstimate, LifePosition, ModeLives, NumericalBand, ResponseErrors, mode_lives,
+};
 pub use life_curve::{LifeAtLevel, LifeCurve, LifeCurveInput, half_width};
 pub use line_sampling::{LineEstimate, LineRoot, LineSampling, Margins};
-pub use numerical::{ErrorLine, NumericalBand};
 pub use population_lives::{PredictedMode, population_lives};
-pub use subset::{Subset, SubsetSimulation};
+pub use subset::{Responses, Subset, SubsetSimulation};

@@ -68,20 +68,14 @@ pub fn change(before: IntervalEstimate, after: IntervalEstimate, r: f64, errors:
     };
     let below = |of: IntervalEstimate| (of.value - of.lower).max(0.0);
     let above = |of: IntervalEstimate| of.upper.map(|upper| (upper - of.value).max(0.0));
+    let (for_lower, for_upper) = match errors {
+        OtherErrors::Independent => (above(before), Some(below(before))),
+        OtherErrors::Nested => (Some(below(before)), above(before)),
+    };
     Change {
         value,
-        lower: match errors {
-            OtherErrors::Independent => above(before),
-            OtherErrors::Nested => Some(below(before)),
-        }
-        .map(|of_before| value - width(below(after), of_before)),
-        upper: above(after).and_then(|of_after| {
-            let of_before = match errors {
-                OtherErrors::Independent => Some(below(before)),
-                OtherErrors::Nested => above(before),
-            };
-            Some(value + width(of_after, of_before?))
-        }),
+        lower: for_lower.map(|of_before| value - width(below(after), of_before)),
+        upper: above(after).zip(for_upper).map(|(after, before)| value + width(after, before)),
     }
 }
 

@@ -3,12 +3,12 @@
 //! as in the classification, so that lives and failure shares belong together.
 //!
 //! # Source
-//! The crossing as in `crossing.rs`, the numerical errors as in `numerical.rs`; the predictions are those of Kriging, see
+//! The crossing as in `crossing.rs`, the numerical errors as in `life_counts.rs`; the predictions are those of Kriging, see
 //! [`crate::surrogate`].
 
 use super::crossing::Track;
+use super::life_counts::ErrorLine;
 use super::life_counts::{LifeCounts, ModeLives, ResponseErrors, mode_lives};
-use super::numerical::ErrorLine;
 use crate::design::{Population, deviation};
 use crate::surrogate::Kriging;
 use faer::{Mat, MatRef};
@@ -78,8 +78,7 @@ impl<'a> PreparedMode<'a> {
         room.predicted.extend(self.scale[checkpoints..].iter().map(|scale| scale * std));
         let errors = ResponseErrors { numerical: &room.numerical, predicted: &room.predicted };
         let first = self.mode.first_failure[j] as usize;
-        let track = Track { times, values, start };
-        mode_lives(&track, &errors, self.mode.threshold, first, &mut room.shifted)
+        mode_lives(&Track { times, values, start }, &errors, self.mode.threshold, first, &mut room.shifted)
     }
 }
 

@@ -52,6 +52,9 @@ const FIRST_SCALE: f64 = 0.6;
 /// Share of the distance to the limit that the levels left must cover at the last rise [1].
 const LEAST_RISE: f64 = 0.01;
 
+/// The responses `(k,)` at points `(k, d)` row-major of independent standard normals.
+pub type Responses<'a> = dyn Fn(&[f64]) -> Vec<f64> + 'a;
+
 /// Samples conditional on the last level, and the probability of that level.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Subset {
@@ -105,7 +108,7 @@ struct LevelSamples {
 
 impl SubsetSimulation {
     /// Runs the simulation. `respond` returns the responses `(k,)` at points `(k, d)` row-major.
-    pub fn run(&self, rng: &mut impl Rng, respond: &dyn Fn(&[f64]) -> Vec<f64>) -> Subset {
+    pub fn run(&self, rng: &mut impl Rng, respond: &Responses<'_>) -> Subset {
         let Self { variables, samples: n, most_levels } = *self;
         let u: Vec<f64> = (0..n * variables).map(|_| StandardNormal.sample(rng)).collect();
         let y = respond(&u);
@@ -114,8 +117,7 @@ impl SubsetSimulation {
         let mut scale = FIRST_SCALE;
         let seeds = (SHARE * n as f64).round() as usize;
         while levels.len() < most_levels {
-            let failed = samples.y.iter().filter(|y| **y >= 0.0).count();
-            if failed >= seeds {
+            if samples.y.iter().filter(|y| **y >= 0.0).count() >= seeds {
                 break;
             }
             let (level, from) = next_level(&samples.y, seeds);
@@ -142,7 +144,7 @@ impl SubsetSimulation {
         level: f64,
         scale: &mut f64,
         rng: &mut impl Rng,
-        respond: &dyn Fn(&[f64]) -> Vec<f64>,
+        respond: &Responses<'_>,
     ) -> LevelSamples {
         let (d, seeds) = (self.variables, from.len());
         let length = self.samples / seeds;
@@ -152,11 +154,8 @@ impl SubsetSimulation {
         let (mut u, mut y) = (state_u.clone(), state_y.clone());
         for _ in 1..length {
             let rho = (1.0 - *scale * *scale).sqrt();
-            let propose = |u: &f64, rng: &mut _| {
-                let xi: f64 = StandardNormal.sample(rng);
-                rho * u + *scale * xi
-            };
-            let proposed: Vec<f64> = state_u.iter().map(|u| propose(u, rng)).collect();
+            let mut xi = || -> f64 { StandardNormal.sample(rng) };
+            let proposed: Vec<f64> = state_u.iter().map(|u| rho * u + *scale * xi()).collect();
             let response = respond(&proposed);
             let mut accepted = 0;
             for (i, y) in response.into_iter().enumerate() {
@@ -201,8 +200,7 @@ fn no_longer_rise(levels: &[f64], level: f64, most: usize) -> bool {
 fn level_variation(y: &[f64], origin: &[usize], gamma: f64) -> f64 {
     let any = y.iter().any(|y| *y >= 0.0);
     let mut descendants = vec![0.0; y.len()];
-    let counted = origin.iter().zip(y).filter(|(_, y)| !any || **y >= 0.0);
-    counted.for_each(|(j, _)| descendants[*j] += 1.0);
+    origin.iter().zip(y).filter(|(_, y)| !any || **y >= 0.0).for_each(|(j, _)| descendants[*j] += 1.0);
     let sum: f64 = descendants.iter().sum();
     let all = descendants.iter().map(|s| (s / sum).powi(2)).sum::<f64>();
     let (share, n) = (sum / y.len() as f64, y.len() as f64);

@@ -45,10 +45,9 @@ impl SurvivalCurve {
     }
 
     fn push(&mut self, time: f64, reliability: f64) {
-        let (before, r_before) =
-            (self.times.last().copied().unwrap_or(0.0), self.reliability.last().copied().unwrap_or(1.0));
+        let (before, r_before) = (self.end(), self.last());
         let r = reliability.clamp(0.0, 1.0).min(r_before);
-        let area = self.integral.last().copied().unwrap_or(0.0) + 0.5 * (time - before) * (r + r_before);
+        let area = self.restricted_mean() + 0.5 * (time - before) * (r + r_before);
         self.times.push(time);
         self.reliability.push(r);
         self.integral.push(area);

@@ -57,7 +57,7 @@ mod sobol;
 pub use sobol::{SAMPLES, Sobol, sobol_indices, surrogate_errors};
 
 use crate::design::Population;
-use common::random::standard_normal_pdf;
+use common::random::{Distribution, standard_normal_pdf};
 use rayon::prelude::*;
 
 /// Derivatives of one curve at one checkpoint with respect to the parameters of one variable.
@@ -162,23 +162,20 @@ pub fn sensitivities(
     };
     let descent = numbered_origins(population, points);
     // By variable, parameter and curve.
-    let derivatives: Vec<[Vec<Derivative>; 2]> = population
-        .variables()
-        .par_iter()
-        .enumerate()
-        .map(|(k, variable)| {
-            let own = variable.score_function();
-            let scores: Vec<[f64; 2]> = points.iter().map(|j| scores(population, &own, *j, k)).collect();
-            [0, 1].map(|parameter| -> Vec<Derivative> {
-                let scores: Vec<f64> = scores.iter().map(|s| s[parameter]).collect();
-                let derivative = |first: &Vec<u32>| match &descent {
-                    None => over_independent(&scores, first, m),
-                    Some(descent) => over_descendants(&scores, first, descent, m),
-                };
-                first_failures.iter().map(derivative).collect()
-            })
+    let of_variable = |(k, variable): (usize, &Distribution)| {
+        let own = variable.score_function();
+        let scores: Vec<[f64; 2]> = points.iter().map(|j| scores(population, &own, *j, k)).collect();
+        [0, 1].map(|parameter| -> Vec<Derivative> {
+            let scores: Vec<f64> = scores.iter().map(|s| s[parameter]).collect();
+            let derivative = |first: &Vec<u32>| match &descent {
+                None => over_independent(&scores, first, m),
+                Some(descent) => over_descendants(&scores, first, descent, m),
+            };
+            first_failures.iter().map(derivative).collect()
         })
-        .collect();
+    };
+    let derivatives: Vec<[Vec<Derivative>; 2]> =
+        population.inputs().variables().par_iter().enumerate().map(of_variable).collect();
     let mut rows = Vec::new();
     for checkpoint in checkpoints {
         for (curve, first) in first_failures.iter().enumerate() {
@@ -221,11 +218,11 @@ fn scores(population: &Population, own: &dyn Fn(f64) -> [f64; 2], j: usize, k: u
         return own;
     }
     let normal = |i: usize| {
-        let u = population.variables()[i].to_standard_normal(population.physical_value(j, i));
+        let u = population.inputs().variables()[i].to_standard_normal(population.physical_value(j, i));
         u.clamp(-LARGEST_NORMAL, LARGEST_NORMAL)
     };
     let slope = copula.score(k, normal) / standard_normal_pdf(normal(k));
-    let moved = population.variables()[k].cdf_derivatives(x);
+    let moved = population.inputs().variables()[k].cdf_derivatives(x);
     [0, 1].map(|p| own[p] + slope * moved[p])
 }
 

@@ -38,15 +38,8 @@ pub struct Sobol {
     pub total: Estimate,
 }
 
-/// Sums over the points, of one output.
-#[derive(Clone, Default)]
-struct Sums {
-    first: RatioSums,
-    total: RatioSums,
-}
-
 /// Sums of a quantity q and of the variance v of the points.
-#[derive(Clone, Default)]
+#[derive(Clone, Copy, Default)]
 struct RatioSums {
     q: f64,
     v: f64,
@@ -98,7 +91,8 @@ pub fn sobol_indices(
     let unmixed: Vec<(Mat<f64>, Mat<f64>)> = starts.par_iter().map(predicted).collect();
     let moments: Vec<(f64, f64)> = (0..outputs).map(|o| moments(o, &unmixed)).collect();
     let by_variable = |k: usize| -> Vec<Sobol> {
-        let mut sums = vec![Sums::default(); outputs];
+        // Sums over the points, of each output for the index of first order and the total one.
+        let mut sums = vec![[RatioSums::default(); 2]; outputs];
         for ((a, b), start) in unmixed.iter().zip(&starts) {
             let (of_a, of_b) = points(*start);
             let mixed = |own: MatRef<'_, f64>, other: MatRef<'_, f64>| {
@@ -111,16 +105,17 @@ pub fn sobol_indices(
                 for j in 0..a.ncols() {
                     let (of_a, of_b) = (a[(o, j)] - ak[(o, j)], bk[(o, j)] - b[(o, j)]);
                     let v = 0.5 * ((a[(o, j)] - mean).powi(2) + (b[(o, j)] - mean).powi(2));
-                    sums.first.add(0.5 * of_a * of_b, v);
-                    sums.total.add(0.25 * (of_a * of_a + of_b * of_b), v);
+                    sums[0].add(0.5 * of_a * of_b, v);
+                    sums[1].add(0.25 * (of_a * of_a + of_b * of_b), v);
                 }
             }
         }
-        let index = |(sums, (mean, variance)): (&Sums, &(f64, f64))| {
+        let index = |(sums, (mean, variance)): (&[RatioSums; 2], &(f64, f64))| {
             if *variance <= (1e-12 * mean).powi(2) {
                 return Sobol::default();
             }
-            Sobol { first_order: sums.first.ratio(n), total: sums.total.ratio(n) }
+            let [first_order, total] = sums.map(|sums| sums.ratio(n));
+            Sobol { first_order, total }
         };
         sums.iter().zip(&moments).map(index).collect()
     };

@@ -30,14 +30,9 @@ pub(super) struct Bounds {
 
 impl Bounds {
     /// Bounds in `d` variables; `stated` are those of the level of the stated noise, if the points have such
-    /// noise.
-    pub fn new(kernel: Kernel, d: usize, stated: Option<(f64, f64)>) -> Self {
-        Self { kernel, d, stated, nugget: NUGGET }
-    }
-
-    /// Bounds for values without noise, if they are `exact`: the nugget is held at its lower bound, against round-off.
-    pub fn exact(self, exact: bool) -> Self {
-        if exact { Self { nugget: (NUGGET.0, NUGGET.0), ..self } } else { self }
+    /// noise. For `exact` values, without noise, the nugget is held at its lower bound, against round-off.
+    pub fn new(kernel: Kernel, d: usize, stated: Option<(f64, f64)>, exact: bool) -> Self {
+        Self { kernel, d, stated, nugget: if exact { (NUGGET.0, NUGGET.0) } else { NUGGET } }
     }
 
     /// Logarithmic bounds of parameter `k`: d lengths, the nugget, and the level of the stated noise if there
@@ -83,15 +78,14 @@ impl Bounds {
     pub fn free(&self, correlation: &Correlation) -> Vec<f64> {
         let level = self.stated.map(|_| correlation.stated);
         let all = correlation.theta.iter().copied().chain([correlation.nugget]).chain(level);
-        all.enumerate()
-            .map(|(k, value)| {
-                let (low, high) = self.logarithms(k);
-                // A held parameter has an interval of no width, which any free number represents.
-                let share = if high > low { (value.ln() - low) / (high - low) } else { 0.5 };
-                let s = share.clamp(0.02, 0.98);
-                (s / (1.0 - s)).ln()
-            })
-            .collect()
+        let free = |(k, value): (usize, f64)| {
+            let (low, high) = self.logarithms(k);
+            // A held parameter has an interval of no width, which any free number represents.
+            let share = if high > low { (value.ln() - low) / (high - low) } else { 0.5 };
+            let s = share.clamp(0.02, 0.98);
+            (s / (1.0 - s)).ln()
+        };
+        all.enumerate().map(free).collect()
     }
 }
 
@@ -103,16 +97,16 @@ mod tests {
     fn free_numbers_give_the_correlation_and_back() {
         let correlation =
             Correlation { kernel: Kernel::Matern32, theta: vec![0.3, 2e-3], nugget: 1e-5, stated: 0.02 };
-        let bounds = Bounds::new(Kernel::Matern32, 2, Some((1e-10, 0.3)));
+        let bounds = Bounds::new(Kernel::Matern32, 2, Some((1e-10, 0.3)), false);
         let back = bounds.correlation(&bounds.free(&correlation));
         for (a, b) in [(back.theta[1], 2e-3), (back.nugget, 1e-5), (back.stated, 0.02)] {
             assert!((a / b - 1.0).abs() < 1e-12, "{a} {b}");
         }
         // Held at 0.7, and without stated errors.
-        let held = Bounds::new(Kernel::Matern32, 2, Some((0.7, 0.7)));
+        let held = Bounds::new(Kernel::Matern32, 2, Some((0.7, 0.7)), false);
         assert!((held.correlation(&held.free(&correlation)).stated - 0.7).abs() < 1e-15);
         assert_eq!(held.slope(3, 1.0), 0.0);
-        let none = Bounds::new(Kernel::Matern32, 2, None);
+        let none = Bounds::new(Kernel::Matern32, 2, None, false);
         assert_eq!((none.free(&correlation).len(), none.correlation(&[0.0; 3]).stated), (3, 0.0));
     }
 }

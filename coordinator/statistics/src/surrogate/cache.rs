@@ -22,9 +22,9 @@
 //! Golub, Van Loan (2013), Matrix Computations, section 6.5 (updating factorisations); its use for cached
 //! predictions is this project's own.
 
-use super::Kriging;
 use super::factor::solve_lower;
-use super::sides::larger_means;
+use super::kriging::larger_means;
+use super::{Kriging, Prediction};
 use crate::design::Population;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
@@ -34,18 +34,6 @@ use rayon::prelude::*;
 const BLOCK: usize = 512;
 /// Number of rows for which a block allocates memory at once.
 const ROOM: usize = 16;
-
-/// Work done by [`PredictionCache::update`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Update {
-    /// Everything was computed: for the first model, other lengths, or other values of the old points.
-    Computed,
-    /// Rows were added.
-    Extended {
-        /// Number of new points of the model; may be 0.
-        rows: usize,
-    },
-}
 
 /// Cached predictions of a population by one model.
 #[derive(Debug, Clone)]
@@ -64,15 +52,6 @@ impl Default for PredictionCache {
     }
 }
 
-/// Predictions of one block of the population.
-#[derive(Debug, Clone, PartialEq)]
-pub struct BlockPrediction {
-    /// Means `(m, b)` [unit of the output].
-    pub mean: Mat<f64>,
-    /// Variances over sigma2 `(b,)` [1], at least 0.
-    pub variance_factor: Vec<f64>,
-}
-
 impl PredictionCache {
     /// Number of points of every block but the last.
     pub const BLOCK: usize = BLOCK;
@@ -84,8 +63,9 @@ impl PredictionCache {
 
     /// Updates the cache to `model` and `population`. The population may have grown since the last update;
     /// its first points must be the same. The result does not depend on the number of threads: blocks are
-    /// fixed and independent.
-    pub fn update(&mut self, model: &Kriging, population: &Population) -> Update {
+    /// fixed and independent. Returns the number of points whose rows were added, which may be 0; `None` if everything was computed,
+    /// for the first model, other lengths, or other values of the old points.
+    pub fn update(&mut self, model: &Kriging, population: &Population) -> Option<usize> {
         let known = self.model.as_ref().filter(|known| model.extends(known)).map(Kriging::points);
         let bytes_of_block =
             8 * BLOCK * (model.points() + ROOM + model.z.ncols() + model.trend.t.ncols() + 1);
@@ -98,19 +78,16 @@ impl PredictionCache {
                 _ => *block = Block::compute(model, points),
             }
         });
-        let update = match known {
-            Some(n) => Update::Extended { rows: model.points() - n },
-            None => Update::Computed,
-        };
-        if update != (Update::Extended { rows: 0 }) {
+        let added = known.map(|n| model.points() - n);
+        if added != Some(0) {
             self.model = Some(model.clone());
         }
-        update
+        added
     }
 
     /// Predictions of block `i` (the points from `i * BLOCK` on) by the model of the last update; `None`
     /// beyond the population, and where the limit of memory leaves no room.
-    pub fn block(&self, i: usize) -> Option<BlockPrediction> {
+    pub fn block(&self, i: usize) -> Option<Prediction> {
         Some(self.blocks.get(i)?.predict(self.model.as_ref()?))
     }
 
@@ -197,13 +174,12 @@ impl Block {
             if self.w.last().is_none_or(|part| part.capacity() < part.len() + b) {
                 self.w.push(Vec::with_capacity(b * ROOM));
             }
-            let part = self.w.last_mut().expect("a part with room was added");
-            part.extend(column.iter());
+            self.w.last_mut().expect("a part with room was added").extend(column.iter());
         }
         self.add_rows(model, rows.transpose(), n);
     }
 
-    fn predict(&self, model: &Kriging) -> BlockPrediction {
+    fn predict(&self, model: &Kriging) -> Prediction {
         let v = model.trend.orthogonal(self.trend.as_ref());
         let mut mean = self.explained.clone();
         matmul(mean.as_mut(), Accum::Add, model.coefficients.transpose(), v.as_ref(), 1.0, Par::Seq);
@@ -216,6 +192,6 @@ impl Block {
         let factors = self.squares.iter().zip(v.col_iter());
         let variance_factor =
             factors.map(|(square, v)| (1.0 - square + model.trend.variance(v)).max(0.0)).collect();
-        BlockPrediction { mean, variance_factor }
+        Prediction { mean, variance_factor }
     }
 }

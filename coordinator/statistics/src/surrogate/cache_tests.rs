@@ -54,26 +54,26 @@ fn points_and_population_added_bit_by_bit_equal_a_prediction_from_scratch() {
         };
         let mut cache = PredictionCache::default();
         let mut model = of(20);
-        assert_eq!(cache.update(&model, &population), Update::Computed);
-        assert_eq!(cache.update(&model, &population), Update::Extended { rows: 0 });
+        assert_eq!(cache.update(&model, &population), None);
+        assert_eq!(cache.update(&model, &population), Some(0));
         for (from, to) in [(20, 21), (21, 29), (29, 60)] {
             model = model.extended(x.subcols(from, to - from), y.subrows(from, to - from), None).unwrap();
-            assert_eq!(cache.update(&model, &population), Update::Extended { rows: to - from });
+            assert_eq!(cache.update(&model, &population), Some(to - from));
             population.grow_to(population.len() + 300);
-            assert_eq!(cache.update(&model, &population), Update::Extended { rows: 0 });
+            assert_eq!(cache.update(&model, &population), Some(0));
         }
         let (of_mean, of_factor) = differences(&cache, &of(60), &population);
         assert!(of_mean < 1e-7 && of_factor < 1e-9, "{kernel:?} {of_mean:e} {of_factor:e}");
         // Other lengths are seen.
         let other = Correlation { theta: vec![0.11, 0.05, 0.05], ..correlation(kernel) };
         let other = Kriging::condition_noisy(x.as_ref(), y.as_ref(), &other, trend, None).unwrap();
-        assert_eq!(cache.update(&other, &population), Update::Computed);
+        assert_eq!(cache.update(&other, &population), None);
         let (of_mean, of_factor) = differences(&cache, &other, &population);
         assert!(of_mean < 1e-9 && of_factor < 1e-11, "{kernel:?} {of_mean:e} {of_factor:e}");
         // So are other values of the same points.
         let mut moved = other.clone();
         moved.set_values((&y * faer::Scale(2.0)).as_ref());
-        assert_eq!(cache.update(&moved, &population), Update::Computed);
+        assert_eq!(cache.update(&moved, &population), None);
     }
 }
 
@@ -120,7 +120,7 @@ fn the_number_of_threads_changes_no_bit() {
             let chosen = fit_surrogate(training, FormSettings::default(), None, Effort::MultiStart).unwrap();
             let mut cache = PredictionCache::default();
             cache.update(&chosen.model, &population);
-            let blocks: Vec<BlockPrediction> = (0..6).map(|i| cache.block(i).unwrap()).collect();
+            let blocks: Vec<Prediction> = (0..6).map(|i| cache.block(i).unwrap()).collect();
             (chosen.fitted, blocks)
         })
     };

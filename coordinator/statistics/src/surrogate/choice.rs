@@ -39,16 +39,6 @@ impl Incumbent {
     }
 }
 
-/// Judgement of one form.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Candidate {
-    /// Kernel and trend.
-    pub form: Form,
-    /// Mean log predictive density at points left out, over points and outputs, with outputs in units of
-    /// their standard deviations [1].
-    pub log_density: f64,
-}
-
 /// A surrogate of the chosen form.
 #[derive(Debug, Clone)]
 pub struct Chosen {
@@ -58,10 +48,11 @@ pub struct Chosen {
     pub fitted: Fitted,
     /// Its cross-validation; `None` after a warm fit, and with too few points.
     pub cross_validation: Option<CrossValidation>,
-    /// All forms compared, in the order of [`FormSettings::candidates`]; empty without a comparison.
-    pub candidates: Vec<Candidate>,
     /// Number of repairs: starts without a usable point, forms that could not be conditioned, nuggets raised.
     pub repairs: usize,
+    form: Form,
+    /// Log densities with one point left out at fixed lengths `(n,)`, for fits without cross-validation.
+    left_out: Vec<f64>,
 }
 
 impl Kriging {
@@ -87,13 +78,13 @@ pub fn fit_surrogate(
     let standing = incumbent.map(Incumbent::form).filter(|form| forms.contains(form)).unwrap_or(forms[0]);
     let previous = incumbent.map(|incumbent| &incumbent.correlation);
     let mut first = conditioned(training, standing, previous, effort)?;
-    let mut repairs = first.repairs();
+    let mut repairs = first.repairs;
     let warm = effort == Effort::Warm && incumbent.is_some();
     if !warm {
         first.cross_validate(training);
     }
     if warm || forms.len() == 1 {
-        return Ok(first.chosen(vec![], repairs));
+        return Ok(first);
     }
 
     // The other forms start from the incumbent's optimum, because a length has a similar meaning for all
@@ -105,7 +96,7 @@ pub fn fit_surrogate(
     for form in forms.iter().filter(|form| **form != standing) {
         match conditioned(training, *form, Some(&from), effort) {
             Ok(mut other) => {
-                repairs += other.repairs();
+                repairs += other.repairs;
                 other.cross_validate(training);
                 // Cross-validated forms are not compared with forms that could not be cross-validated.
                 if other.cross_validation.is_some() == compared[0].cross_validation.is_some() {
@@ -115,20 +106,7 @@ pub fn fit_surrogate(
             Err(_) => repairs += 1,
         }
     }
-    let best = challenger(&compared).unwrap_or(0);
-    let mut candidates: Vec<Candidate> = compared.iter().map(FittedForm::judged).collect();
-    candidates.sort_by_key(|candidate| forms.iter().position(|form| *form == candidate.form));
-    Ok(compared.swap_remove(best).chosen(candidates, repairs))
-}
-
-/// One form, fitted and conditioned.
-struct FittedForm {
-    form: Form,
-    fitted: Fitted,
-    model: Kriging,
-    /// Log densities with one point left out at fixed lengths `(n,)`, for fits without cross-validation.
-    left_out: Vec<f64>,
-    cross_validation: Option<CrossValidation>,
+    Ok(Chosen { repairs, ..compared.swap_remove(challenger(&compared).unwrap_or(0)) })
 }
 
 /// Fits and conditions a surrogate of one form.
@@ -137,16 +115,17 @@ fn conditioned(
     form: Form,
     previous: Option<&Correlation>,
     effort: Effort,
-) -> Result<FittedForm, SurrogateError> {
+) -> Result<Chosen, SurrogateError> {
     let fitted = fit_correlation(training, form, previous, effort);
     let TrainingSet { points, values, .. } = training;
     let model =
         Kriging::condition_noisy(points, values, &fitted.correlation, form.trend, training.weights())?;
     let left_out = model.log_densities(values);
-    Ok(FittedForm { form, fitted, model, left_out, cross_validation: None })
+    let repairs = fitted.failed_starts + model.raised();
+    Ok(Chosen { model, fitted, cross_validation: None, repairs, form, left_out })
 }
 
-impl FittedForm {
+impl Chosen {
     fn cross_validate(&mut self, training: TrainingSet<'_>) {
         self.cross_validation = cross_validate(training, self.form, &self.fitted.correlation);
     }
@@ -158,23 +137,10 @@ impl FittedForm {
     fn log_density(&self) -> f64 {
         self.densities().iter().sum::<f64>() / self.densities().len() as f64
     }
-
-    fn repairs(&self) -> usize {
-        self.fitted.failed_starts + self.model.raised()
-    }
-
-    fn judged(&self) -> Candidate {
-        Candidate { form: self.form, log_density: self.log_density() }
-    }
-
-    fn chosen(self, candidates: Vec<Candidate>, repairs: usize) -> Chosen {
-        let Self { model, fitted, cross_validation, .. } = self;
-        Chosen { model, fitted, cross_validation, candidates, repairs }
-    }
 }
 
 /// Index of the form that replaces the first, if any does.
-fn challenger(compared: &[FittedForm]) -> Option<usize> {
+fn challenger(compared: &[Chosen]) -> Option<usize> {
     let standing = &compared[0];
     let clearly =
         |i: &usize| Gain::between(standing.densities(), compared[*i].densities()).exceeds(LEAST_GAIN);
@@ -230,11 +196,10 @@ mod tests {
         let x = points(3, 60);
         let linear = Mat::from_fn(60, 1, |i, _| 3.0 + x[(0, i)] - 2.0 * x[(1, i)] + 0.1 * x[(2, i)]);
         let chosen = choose(&x, &linear, None, Effort::MultiStart);
-        assert_eq!(chosen.model.trend(), Trend::Linear, "{:?}", chosen.candidates);
-        assert_eq!(chosen.candidates.len(), 6);
+        assert_eq!(chosen.model.trend(), Trend::Linear);
         let kinked = Mat::from_fn(60, 1, |i, _| (x[(0, i)] - 0.3).abs() + 0.5 * (x[(1, i)] + 0.2).abs());
         let chosen = choose(&x, &kinked, None, Effort::MultiStart);
-        assert_ne!(chosen.model.correlation().kernel, Kernel::Gaussian, "{:?}", chosen.candidates);
+        assert_ne!(chosen.model.correlation().kernel, Kernel::Gaussian);
         // The same data give the same choice.
         let again = choose(&x, &kinked, Some(&chosen.model.incumbent()), Effort::MultiStart);
         assert_eq!(again.model.incumbent().form(), chosen.model.incumbent().form());
@@ -245,17 +210,22 @@ mod tests {
         let x = points(2, 40);
         let y = Mat::from_fn(40, 2, |i, o| (x[(0, i)] + 0.3 * o as f64).sin() * (0.7 * x[(1, i)]).cos());
         let chosen = choose(&x, &y, None, Effort::MultiStart);
-        assert_eq!(chosen.model.correlation().kernel, Kernel::Gaussian, "{:?}", chosen.candidates);
-        let of =
-            |kernel| chosen.candidates.iter().find(|c| c.form == Form { kernel, ..Form::default() }).unwrap();
-        assert!(of(Kernel::Gaussian).log_density > of(Kernel::Matern32).log_density + 1.0);
+        assert_eq!(chosen.model.correlation().kernel, Kernel::Gaussian);
+        let training = TrainingSet { points: x.as_ref(), values: y.as_ref(), noise: None, is_exact: false };
+        let log_density = |kernel| {
+            let fixed = FormSettings::fixed(Form { kernel, ..Form::default() });
+            let found = fit_surrogate(training, fixed, None, Effort::MultiStart).unwrap();
+            let densities = found.cross_validation.unwrap().log_densities;
+            densities.iter().sum::<f64>() / densities.len() as f64
+        };
+        assert!(log_density(Kernel::Gaussian) > log_density(Kernel::Matern32) + 1.0);
         // Without the effort to compare, the incumbent's form stays.
         let rough = Incumbent {
             correlation: Correlation { kernel: Kernel::Matern32, ..chosen.model.correlation().clone() },
             trend: Trend::Linear,
         };
         let kept = choose(&x, &y, Some(&rough), Effort::Warm);
-        assert_eq!((kept.model.incumbent().form(), kept.candidates.len()), (rough.form(), 0));
+        assert_eq!((kept.model.incumbent().form(), kept.cross_validation), (rough.form(), None));
     }
 
     #[test]

@@ -72,10 +72,8 @@ pub(super) fn cross_validate(
     if n < LEAST_POINTS || !carried || outputs.is_empty() {
         return None;
     }
-    let folds: Option<Vec<FoldErrors>> = (0..FOLDS)
-        .into_par_iter()
-        .map(|fold| predict_fold(training, form, fitted, |i: &usize| i % FOLDS == fold))
-        .collect();
+    let predict = |fold| predict_fold(training, form, fitted, |i: &usize| i % FOLDS == fold);
+    let folds: Option<Vec<FoldErrors>> = (0..FOLDS).into_par_iter().map(predict).collect();
     let mut log_densities = vec![0.0; n];
     let mut sums = vec![0.0; spreads.len()];
     let mut squares = Mat::full(n, spreads.len(), 1.0);
@@ -110,8 +108,7 @@ fn predict_fold(
     fitted: &Correlation,
     out: impl Fn(&usize) -> bool,
 ) -> Option<FoldErrors> {
-    let n = training.points.ncols();
-    let (places, kept): (Vec<usize>, Vec<usize>) = (0..n).partition(out);
+    let (places, kept): (Vec<usize>, Vec<usize>) = (0..training.points.ncols()).partition(out);
     let (points, values) = (columns(training.points, &kept), rows(training.values, &kept));
     let noise = training.noise.map(|noise| noise.subset(&kept));
     let (points, values) = (points.as_ref(), values.as_ref());

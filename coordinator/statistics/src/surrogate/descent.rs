@@ -21,8 +21,10 @@ const VALUE_TOLERANCE: f64 = 1e-6;
 /// without influence decrease slowly.
 const MEMORY: usize = 30;
 
-/// Result of one descent.
+/// Result of one descent, and its last point: the optimiser requests value and gradient separately.
+#[derive(Default)]
 pub(super) struct DescentResult {
+    last: Option<(Vec<f64>, LikelihoodValue)>,
     /// Best free parameters `(d + 1,)` or `(d + 2,)` and their f; `None` if f could not be evaluated
     /// anywhere.
     pub best: Option<(Vec<f64>, f64)>,
@@ -37,7 +39,7 @@ pub(super) fn descend(
     start: Vec<f64>,
     iterations: u64,
 ) -> DescentResult {
-    let memo = RefCell::new(Memo::default());
+    let memo = RefCell::new(DescentResult::default());
     let work = RefCell::new(Workspace::new(likelihood.points.ncols()));
     let problem = LikelihoodProblem { likelihood, bounds, memo: &memo, work: &work };
     let search = MoreThuenteLineSearch::new();
@@ -52,23 +54,14 @@ pub(super) fn descend(
     if let Err(error) = run {
         tracing::debug!(%error, "a descent of the likelihood ended early");
     }
-    let memo = memo.into_inner();
-    DescentResult { best: memo.best, evaluations: memo.evaluations }
-}
-
-/// The last and the best point evaluated: the optimiser requests value and gradient separately.
-#[derive(Default)]
-struct Memo {
-    last: Option<(Vec<f64>, LikelihoodValue)>,
-    best: Option<(Vec<f64>, f64)>,
-    evaluations: usize,
+    memo.into_inner()
 }
 
 /// The likelihood over free parameters, as `argmin` takes it.
 struct LikelihoodProblem<'a> {
     likelihood: &'a Likelihood<'a>,
     bounds: Bounds,
-    memo: &'a RefCell<Memo>,
+    memo: &'a RefCell<DescentResult>,
     work: &'a RefCell<Workspace>,
 }
 
@@ -81,10 +74,8 @@ impl LikelihoodProblem<'_> {
             return Ok(value.clone());
         }
         memo.evaluations += 1;
-        let mut value = self
-            .likelihood
-            .evaluate_in(&mut self.work.borrow_mut(), &self.bounds.correlation(free))
-            .ok_or_else(|| Error::msg("correlation matrix without Cholesky factor"))?;
+        let value = self.likelihood.evaluate_in(&mut self.work.borrow_mut(), &self.bounds.correlation(free));
+        let mut value = value.ok_or_else(|| Error::msg("correlation matrix without Cholesky factor"))?;
         value.gradient.iter_mut().zip(free).enumerate().for_each(|(k, (g, t))| {
             *g *= self.bounds.slope(k, *t);
         });

@@ -39,19 +39,13 @@ impl Kriging {
 
         // The factor.
         let across = self.whitened(points);
-        let weights: Option<Vec<f64>> = match (&self.weights, weights) {
-            (Some(_), Some(weights)) => Some(weights.to_vec()),
-            (Some(_), None) => Some(vec![1.0; k]),
-            (None, _) => None,
-        };
+        let weights = self.weights.as_ref().map(|_| weights.map_or(vec![1.0; k], <[f64]>::to_vec));
         let mut below = correlation_below(&self.correlation, points);
         self.correlation.add_noise(below.as_mut(), weights.as_deref());
         matmul(below.as_mut(), Accum::Add, across.transpose(), across.as_ref(), -1.0, Par::Seq);
-        let refused = |pivot: usize| SurrogateError::NotPositiveDefinite {
-            points: n + k,
-            pivot: n + pivot,
-            nugget: self.correlation.nugget,
-        };
+        let nugget = self.correlation.nugget;
+        let refused =
+            |pivot: usize| SurrogateError::NotPositiveDefinite { points: n + k, pivot: n + pivot, nugget };
         let l22 = cholesky(below).map_err(|failed| refused(failed.pivot))?;
         if let Some(pivot) = (0..k).find(|i| l22[(*i, *i)].powi(2) < ROUNDING) {
             return Err(refused(pivot));
@@ -65,7 +59,8 @@ impl Kriging {
 
         // The points themselves.
         let scaled = self.correlation.scale(points);
-        extended.scaled = concatenate(self.scaled.as_ref(), scaled.as_ref());
+        let column = |c, i| if i < n { self.scaled[(c, i)] } else { scaled[(c, i - n)] };
+        extended.scaled = Mat::from_fn(scaled.nrows(), n + k, column);
         extended.norms.extend(squared_norms(scaled.as_ref()));
         if let (Some(all), Some(weights)) = (&mut extended.weights, weights) {
             all.extend(weights);
@@ -79,8 +74,7 @@ impl Kriging {
         };
         let basis = self.trend.trend.basis(points).transpose().to_owned();
         extended.trend = Whitened::from_basis(self.trend.trend, rows(basis, &self.trend.t));
-        let shifted = Mat::from_fn(k, values.ncols(), |i, o| values[(i, o)] - self.shift[o]);
-        extended.z = rows(shifted, &self.z);
+        extended.z = rows(Mat::from_fn(k, values.ncols(), |i, o| values[(i, o)] - self.shift[o]), &self.z);
         extended.set_trend();
         Ok(extended)
     }
@@ -102,12 +96,6 @@ impl Kriging {
             && same(&self.trend.t, &other.trend.t)
             && same(&self.z, &other.z)
     }
-}
-
-/// The columns of `a` followed by those of `b`.
-fn concatenate(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Mat<f64> {
-    let n = a.ncols();
-    Mat::from_fn(a.nrows(), n + b.ncols(), |k, i| if i < n { a[(k, i)] } else { b[(k, i - n)] })
 }
 
 #[cfg(test)]

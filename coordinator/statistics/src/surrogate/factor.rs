@@ -32,8 +32,7 @@ pub(crate) fn cholesky(mut a: Mat<f64>) -> Result<Mat<f64>, Indefinite> {
 
 /// Overwrites the lower triangle of A with L; entries above the diagonal are neither read nor written.
 pub(crate) fn factor_in_place(a: MatMut<'_, f64>) -> Result<(), Indefinite> {
-    let scratch = cholesky_in_place_scratch::<f64>(a.nrows(), Par::Seq, Spec::default());
-    let mut memory = MemBuffer::new(scratch);
+    let mut memory = MemBuffer::new(cholesky_in_place_scratch::<f64>(a.nrows(), Par::Seq, Spec::default()));
     cholesky_in_place(a, Default::default(), Par::Seq, MemStack::new(&mut memory), Spec::default())
         .map(|_| ())
         .map_err(|LltError::NonPositivePivot { index }| Indefinite { pivot: index })

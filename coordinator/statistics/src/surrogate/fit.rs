@@ -4,15 +4,20 @@
 //! The function f to be minimised is that of [`Likelihood`]. It has several local minima; with 400 points and
 //! more the starts compete on 250 of them, because the best start shows there at 3 % of the cost.
 //!
+//! Fixed starts of the descents of a likelihood.
+//!
+//! With w_k the mean squared linear correlation of variable k with the outputs, a weighted start has
+//! theta_k = sum (0.02 / d + 0.98 w_k / (w_1 + ... + w_d)); an isotropic one theta_k = sum / d.
+//!
 //! # Source
 //! Multi-start maximum likelihood of Kriging: Lophaven, Nielsen, Sondergaard (2002), DACE, a Matlab Kriging
 //! toolbox; the competition of starts on a part of the points is this project's own.
+//! This project's own choice, from the fits of its built-in scenes.
 
 use super::bounds::{Bounds, NUGGET, THETA};
 use super::descent::{DescentResult, descend};
-use super::starts::fixed_starts;
-use super::{Correlation, Form, Likelihood, NoiseShape, Trend};
-use faer::{Mat, MatRef};
+use super::{Correlation, Form, Kernel, Likelihood, NoiseShape};
+use faer::{ColRef, Mat, MatRef};
 use rayon::prelude::*;
 
 /// Number of points from which starts compete on a part of the points: the start that leads to the best
@@ -60,6 +65,11 @@ impl<'a> TrainingSet<'a> {
     pub fn weights(&self) -> Option<&'a [f64]> {
         self.noise.map(|noise| noise.weights.as_slice())
     }
+
+    /// Bounds of the correlation with this kernel.
+    fn bounds(&self, kernel: Kernel) -> Bounds {
+        Bounds::new(kernel, self.points.nrows(), self.noise.map(|noise| noise.levels), self.is_exact)
+    }
 }
 
 /// Correlation of greatest likelihood, with figures of its fit.
@@ -98,16 +108,15 @@ pub fn fit_correlation(
     }
     let weights = training.weights();
     let likelihood = Likelihood { points: training.points, values: values.as_ref(), trend, weights };
-    let bounds = Bounds::new(kernel, d, training.noise.map(|noise| noise.levels)).exact(training.is_exact);
+    let bounds = training.bounds(kernel);
     let to_free = |correlation: &Correlation| bounds.free(correlation);
     let mut starts: Vec<Vec<f64>> = previous.map(to_free).into_iter().collect();
     let before = starts.len();
     let fixed = || fixed_starts(kernel, &likelihood);
     match effort {
         Effort::TwoStarts(number) => starts.extend(fixed().iter().skip(number).take(1).map(to_free)),
-        Effort::MultiStart => starts.extend(fixed().iter().map(to_free)),
-        Effort::Keep | Effort::Warm if starts.is_empty() => starts.extend(fixed().iter().map(to_free)),
-        Effort::Keep | Effort::Warm => {}
+        Effort::Keep | Effort::Warm if !starts.is_empty() => {}
+        _ => starts.extend(fixed().iter().map(to_free)),
     }
     if starts.len() == 1 {
         let outcome = descend(&likelihood, bounds, starts.swap_remove(0), LAST);
@@ -118,15 +127,12 @@ pub fn fit_correlation(
         starts.into_par_iter().map(|start| descend(likelihood, bounds, start, RACE)).collect()
     };
     let whole = n < RACE_FROM;
-    let outcomes = if whole { race(&likelihood) } else { race(&part_of(&likelihood).likelihood()) };
+    let outcomes = if whole { race(&likelihood) } else { on_part(&likelihood, race) };
     let mut evaluations = outcomes.iter().map(|o| o.evaluations).sum();
     let failed_starts = outcomes.iter().filter(|o| o.best.is_none()).count();
     let value_of = |outcome: &DescentResult| outcome.best.as_ref().map_or(f64::INFINITY, |best| best.1);
-    let best_start = outcomes[before..]
-        .iter()
-        .enumerate()
-        .min_by(|(_, a), (_, b)| value_of(a).total_cmp(&value_of(b)))
-        .map(|(number, _)| number);
+    let values: Vec<f64> = outcomes[before..].iter().map(value_of).collect();
+    let best_start = (0..values.len()).min_by(|a, b| values[*a].total_cmp(&values[*b]));
     let mut best = outcomes.into_iter().filter_map(|o| o.best).reduce(|a, b| if b.1 < a.1 { b } else { a });
     if let Some((free, value)) = &best {
         let last = descend(&likelihood, bounds, free.clone(), LAST);
@@ -143,17 +149,14 @@ pub(super) fn refit(part: TrainingSet<'_>, form: Form, whole: &Correlation) -> C
     let values = standardise(part.values);
     let weights = part.weights();
     let likelihood = Likelihood { points: part.points, values: values.as_ref(), trend: form.trend, weights };
-    let bounds = Bounds::new(form.kernel, part.points.nrows(), part.noise.map(|noise| noise.levels));
-    let bounds = bounds.exact(part.is_exact);
+    let bounds = part.bounds(form.kernel);
     let theta = whole.theta.iter().map(|theta| theta.max(REFIT_FROM.0)).collect();
     let start = Correlation { theta, nugget: whole.nugget.max(REFIT_FROM.1), ..whole.clone() };
-    match values.ncols() {
-        0 => start,
-        _ => {
-            finish(bounds, descend(&likelihood, bounds, bounds.free(&start), RACE).best, 0, 0, None)
-                .correlation
-        }
+    if values.ncols() == 0 {
+        return start;
     }
+    let best = descend(&likelihood, bounds, bounds.free(&start), RACE).best;
+    best.map_or_else(|| bounds.cautious(), |(free, _)| bounds.correlation(&free))
 }
 
 /// The fitted correlation of the best free parameters, or a cautious one without any.
@@ -172,47 +175,64 @@ fn finish(
     Fitted { correlation, value, evaluations, failed_starts, best_start }
 }
 
-/// Data of a part of the points.
-struct Part {
-    points: Mat<f64>,
-    values: Mat<f64>,
-    trend: Trend,
-    weights: Option<Vec<f64>>,
-}
-
-/// [`RACE_POINTS`] points evenly over their order, so of the initial design and of the points added later.
-fn part_of(likelihood: &Likelihood<'_>) -> Part {
-    let n = likelihood.points.ncols();
+/// What `of` finds with [`RACE_POINTS`] points evenly over their order, so of the initial design and of the points added later.
+fn on_part<T>(whole: &Likelihood<'_>, of: impl FnOnce(&Likelihood<'_>) -> T) -> T {
+    let n = whole.points.ncols();
     let index = |i: usize| i * n / RACE_POINTS;
-    let (d, m) = (likelihood.points.nrows(), likelihood.values.ncols());
-    Part {
-        points: Mat::from_fn(d, RACE_POINTS, |k, i| likelihood.points[(k, index(i))]),
-        values: Mat::from_fn(RACE_POINTS, m, |i, o| likelihood.values[(index(i), o)]),
-        trend: likelihood.trend,
-        weights: likelihood.weights.map(|weights| (0..RACE_POINTS).map(|i| weights[index(i)]).collect()),
-    }
-}
-
-impl Part {
-    fn likelihood(&self) -> Likelihood<'_> {
-        let (points, values) = (self.points.as_ref(), self.values.as_ref());
-        Likelihood { points, values, trend: self.trend, weights: self.weights.as_deref() }
-    }
+    let (d, m) = (whole.points.nrows(), whole.values.ncols());
+    let points = Mat::from_fn(d, RACE_POINTS, |k, i| whole.points[(k, index(i))]);
+    let values = Mat::from_fn(RACE_POINTS, m, |i, o| whole.values[(index(i), o)]);
+    let weights: Option<Vec<f64>> =
+        whole.weights.map(|weights| (0..RACE_POINTS).map(|i| weights[index(i)]).collect());
+    let (points, values) = (points.as_ref(), values.as_ref());
+    of(&Likelihood { points, values, trend: whole.trend, weights: weights.as_deref() })
 }
 
 /// The columns with variance, scaled to mean 0 and variance 1, so that outputs of any unit have the same
 /// weight.
-fn standardise(values: MatRef<'_, f64>) -> faer::Mat<f64> {
+fn standardise(values: MatRef<'_, f64>) -> Mat<f64> {
     let n = values.nrows() as f64;
-    let columns: Vec<Vec<f64>> = values
-        .col_iter()
-        .filter_map(|column| {
-            let mean = column.iter().sum::<f64>() / n;
-            let std = (column.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / n).sqrt();
-            (std > 1e-12 * mean.abs() && std > 0.0).then(|| column.iter().map(|y| (y - mean) / std).collect())
-        })
-        .collect();
-    faer::Mat::from_fn(values.nrows(), columns.len(), |i, o| columns[o][i])
+    let standard = |column: ColRef<'_, f64>| {
+        let mean = column.iter().sum::<f64>() / n;
+        let std = (column.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / n).sqrt();
+        (std > 1e-12 * mean.abs() && std > 0.0).then(|| column.iter().map(|y| (y - mean) / std).collect())
+    };
+    let columns: Vec<Vec<f64>> = values.col_iter().filter_map(standard).collect();
+    Mat::from_fn(values.nrows(), columns.len(), |i, o| columns[o][i])
+}
+
+/// Level of the stated noise at the starts [1].
+const STATED_START: f64 = 1e-4;
+
+/// Isotropic starts at three lengths, and two with theta in proportion to the squared linear correlation
+/// between variable and outputs, which are close to the optimum if few variables matter.
+pub(super) fn fixed_starts(kernel: Kernel, likelihood: &Likelihood<'_>) -> Vec<Correlation> {
+    let d = likelihood.points.nrows();
+    let isotropic =
+        |sum: f64| Correlation { kernel, theta: vec![sum / d as f64; d], nugget: 1e-4, stated: STATED_START };
+    let influence: Vec<f64> = (0..d).map(|k| mean_squared_correlation(likelihood, k)).collect();
+    let total: f64 = influence.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+    let weighted = |sum: f64| Correlation {
+        kernel,
+        theta: influence.iter().map(|w| sum * (0.02 / d as f64 + 0.98 * w / total)).collect(),
+        nugget: 1e-4,
+        stated: STATED_START,
+    };
+    vec![isotropic(0.02), isotropic(0.2), isotropic(2.0), weighted(0.02), weighted(0.4)]
+}
+
+/// Squared covariance of variable `k` with an output over the variance of the variable, mean over the
+/// outputs, which have variance 1.
+fn mean_squared_correlation(likelihood: &Likelihood<'_>, k: usize) -> f64 {
+    let x = likelihood.points.row(k);
+    let n = x.ncols() as f64;
+    let mean = x.iter().sum::<f64>() / n;
+    let var = x.iter().map(|x| (x - mean).powi(2)).sum::<f64>().max(f64::MIN_POSITIVE);
+    let squared = |y: ColRef<'_, f64>| {
+        let cov: f64 = x.iter().zip(y.iter()).map(|(x, y)| (x - mean) * y).sum();
+        cov * cov / (var * n)
+    };
+    likelihood.values.col_iter().map(squared).sum::<f64>() / likelihood.values.ncols() as f64
 }
 
 #[cfg(test)]

@@ -12,14 +12,23 @@
 //! outputs. The prediction is Gaussian for known lengths and nugget; their own uncertainty is not included,
 //! which is why cross-validation corrects the variances.
 //!
+//! A response that is the larger of two: the distance of an output from a middle, largest over a life.
+//!
+//!   |y - c| = max(y - c, c - y)
+//!
+//! has a kink where y passes c, and its largest value so far another one where the side of the largest changes, which no
+//! correlation of smooth functions fits. Its two sides, the largest y - c and the largest c - y so far, are as smooth as
+//! y. So a surrogate learns both with one correlation, in 2 m outputs: the first side at all m checkpoints, then the second.
+//! Its prediction is the larger of the two means, with the larger of the two process variances.
+//!
 //! # Source
 //! Sacks, Welch, Mitchell, Wynn (1989), Design and analysis of computer experiments, Statistical Science
 //! 4(4), eqs. 7 and 9.
+//! Derived here. The error of the larger of two predictions is at most the larger of their errors.
 
 use super::bounds::NUGGET;
 use super::correlation::{correlation_below, cross_of_scaled_into, squared_norms};
-use super::factor::{cholesky, solve_lower};
-use super::sides::{larger_means, larger_variances};
+use super::factor::{Indefinite, cholesky, solve_lower, solve_lower_transposed};
 use super::trend::Whitened;
 use super::{Correlation, SurrogateError, Trend};
 use faer::linalg::matmul::matmul;
@@ -50,14 +59,14 @@ pub struct Kriging {
     sigma2: Vec<f64>,
     /// z_o - Q c_o `(n, m)`.
     pub(super) residual: Mat<f64>,
-    /// True if the outputs are the two sides of half as many responses, see [`super::sides`].
+    /// True if the outputs are the two sides of half as many responses, see the head of this file.
     pub(super) sided: bool,
     /// Number of times the nugget was raised.
     raised: usize,
 }
 
 /// Prediction at b points.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Prediction {
     /// Means `(m, b)` [unit of the output].
     pub mean: Mat<f64>,
@@ -108,12 +117,9 @@ impl Kriging {
                     correlation.nugget = (10.0 * correlation.nugget).clamp(NUGGET.0, NUGGET.1);
                     raised += 1;
                 }
-                Err(failed) => {
-                    return Err(SurrogateError::NotPositiveDefinite {
-                        points: n,
-                        pivot: failed.pivot,
-                        nugget: correlation.nugget,
-                    });
+                Err(Indefinite { pivot }) => {
+                    let nugget = correlation.nugget;
+                    return Err(SurrogateError::NotPositiveDefinite { points: n, pivot, nugget });
                 }
             }
         };
@@ -158,20 +164,18 @@ impl Kriging {
     /// Replaces the outputs by other outputs with values `(n, m)` at the same points; the correlation and its
     /// factor stay.
     pub fn set_values(&mut self, values: MatRef<'_, f64>) {
-        self.sided = false;
-        self.take_values(values);
+        self.take_values(values, false);
     }
 
     /// Replaces the outputs by the two sides `(n, 2 m)` of m responses, each of which is the larger of its two; all of the first
     /// side come first.
     pub fn set_sides(&mut self, sides: MatRef<'_, f64>) {
-        self.sided = true;
-        self.take_values(sides);
+        self.take_values(sides, true);
     }
 
-    fn take_values(&mut self, values: MatRef<'_, f64>) {
-        let n = values.nrows();
-        self.shift = values.col_iter().map(|c| c.iter().sum::<f64>() / n as f64).collect();
+    fn take_values(&mut self, values: MatRef<'_, f64>, sided: bool) {
+        self.sided = sided;
+        self.shift = values.col_iter().map(|c| c.iter().sum::<f64>() / values.nrows() as f64).collect();
         self.z = values.to_owned();
         for (o, shift) in self.shift.iter().enumerate() {
             self.z.col_as_slice_mut(o).iter_mut().for_each(|y| *y -= shift);
@@ -259,8 +263,7 @@ impl Kriging {
     /// Means and variance factors at standardised points `(d, b)`.
     pub fn predict(&self, points: MatRef<'_, f64>) -> Prediction {
         let w = self.whitened(points);
-        let m = self.shift.len();
-        let mean = self.means(points, self.residual.as_ref(), w.as_ref(), 0..m);
+        let mean = self.means(points, self.residual.as_ref(), w.as_ref(), 0..self.shift.len());
         let mean = if self.sided { larger_means(&mean) } else { mean };
         let v = self.trend.extrapolation(points, w.as_ref());
         let factor =
@@ -302,9 +305,21 @@ impl Kriging {
     /// Dual coefficients L'^-1 (z_o - Q c_o) `(n, m)` for [`Kriging::predict_means`].
     pub fn dual(&self) -> Mat<f64> {
         let mut dual = self.residual.clone();
-        super::factor::solve_lower_transposed(self.l.as_ref(), dual.as_mut());
+        solve_lower_transposed(self.l.as_ref(), dual.as_mut());
         dual
     }
+}
+
+/// The larger of the two means per output `(m, b)`, from those of both sides `(2 m, b)`.
+pub(super) fn larger_means(both: &Mat<f64>) -> Mat<f64> {
+    let m = both.nrows() / 2;
+    Mat::from_fn(m, both.ncols(), |o, j| both[(o, j)].max(both[(o + m, j)]))
+}
+
+/// The larger of the two variances per output `(m,)`, from those of both sides `(2 m,)`.
+pub(super) fn larger_variances(both: &[f64]) -> Vec<f64> {
+    let (first, second) = both.split_at(both.len() / 2);
+    first.iter().zip(second).map(|(a, b)| a.max(*b)).collect()
 }
 
 #[cfg(test)]

@@ -62,26 +62,25 @@ impl Kriging {
     pub fn leave_one_out(&self, values: MatRef<'_, f64>) -> Vec<LeaveOneOut> {
         let n = self.points();
         let (kept, dual) = (self.kept_precision(), self.dual());
-        (0..self.sigma2().len())
-            .map(|o| {
-                let column: Vec<f64> = (0..n).map(|i| self.response(o, |o| values[(i, o)])).collect();
-                let total = spread(ColRef::from_slice(&column)) * n as f64;
-                if total == 0.0 || self.sigma2()[o] == 0.0 {
-                    return LeaveOneOut { q2: 1.0, variance_ratio: 1.0 };
-                }
-                let (mut squares, mut ratio) = (0.0, 0.0);
-                for (i, s) in kept.iter().enumerate() {
-                    let error = if self.sided {
-                        column[i] - self.response(o, |o| values[(i, o)] - dual[(i, o)] / s)
-                    } else {
-                        dual[(i, o)] / s
-                    };
-                    squares += error * error;
-                    ratio += error * error * s / (self.sigma2()[o] * n as f64);
-                }
-                LeaveOneOut { q2: 1.0 - squares / total, variance_ratio: ratio }
-            })
-            .collect()
+        let of_response = |o: usize| {
+            let column: Vec<f64> = (0..n).map(|i| self.response(o, |o| values[(i, o)])).collect();
+            let total = spread(ColRef::from_slice(&column)) * n as f64;
+            if total == 0.0 || self.sigma2()[o] == 0.0 {
+                return LeaveOneOut { q2: 1.0, variance_ratio: 1.0 };
+            }
+            let (mut squares, mut ratio) = (0.0, 0.0);
+            for (i, s) in kept.iter().enumerate() {
+                let error = if self.sided {
+                    column[i] - self.response(o, |o| values[(i, o)] - dual[(i, o)] / s)
+                } else {
+                    dual[(i, o)] / s
+                };
+                squares += error * error;
+                ratio += error * error * s / (self.sigma2()[o] * n as f64);
+            }
+            LeaveOneOut { q2: 1.0 - squares / total, variance_ratio: ratio }
+        };
+        (0..self.sigma2().len()).map(of_response).collect()
     }
 
     /// Log predictive density [1] of the values of each point left out `(n,)`, mean over the outputs;

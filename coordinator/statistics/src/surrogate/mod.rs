@@ -11,9 +11,8 @@
 //! |---|---|
 //! | `kernel`, `correlation` | correlation functions and matrices |
 //! | `trend` | generalised least squares of the trend |
-//! | `sides` | a response that is the larger of two |
-//! | `kriging`, `extended` | conditioning, prediction, further points at the same lengths |
-//! | `likelihood`, `bounds`, `starts`, `descent`, `fit` | maximum likelihood of the lengths |
+//! | `kriging`, `extended` | conditioning, prediction, also of a response that is the larger of two; further points at the same lengths |
+//! | `likelihood`, `bounds`, `descent`, `fit` | maximum likelihood of the lengths |
 //! | `noise` | noise in proportion to stated errors |
 //! | `leave_one_out`, `cross_validation`, `choice`, `sharing` | quality and choice of the form |
 //! | `explicit` | the mean as plain numbers |
@@ -52,7 +51,6 @@ mod correlation;
 mod cross_validation;
 mod descent;
 mod explicit;
-mod exponential;
 mod extended;
 mod factor;
 mod fit;
@@ -64,12 +62,10 @@ mod likelihood;
 mod noise;
 mod posterior;
 mod sharing;
-mod sides;
-mod starts;
 mod trend;
 
-pub use cache::{BlockPrediction, PredictionCache, Update};
-pub use choice::{Candidate, Chosen, Incumbent, fit_surrogate};
+pub use cache::PredictionCache;
+pub use choice::{Chosen, Incumbent, fit_surrogate};
 pub use correlation::{Correlation, correlation_matrix};
 pub use cross_validation::CrossValidation;
 pub use explicit::ExplicitMean;
@@ -81,7 +77,7 @@ pub use leave_one_out::{LeaveOneOut, LeftOut};
 pub use likelihood::{Likelihood, LikelihoodValue};
 pub use noise::{NoiseShape, StatedErrors};
 pub use posterior::Posterior;
-pub use sharing::{Sharing, compare_sharing};
+pub use sharing::compare_sharing;
 pub use trend::Trend;
 
 use thiserror::Error;

@@ -83,11 +83,10 @@ impl NoiseShape {
             return None;
         }
         shape.weights.iter_mut().for_each(|w| *w /= shape.mean);
-        let levels = match usage {
+        shape.levels = match usage {
             StatedErrors::Full => (shape.mean, shape.mean),
             _ => (NUGGET.0, shape.mean.min(NUGGET.1)),
         };
-        shape.levels = levels;
         Some(shape)
     }
 

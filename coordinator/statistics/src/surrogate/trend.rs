@@ -45,19 +45,10 @@ impl Trend {
         if self == Self::Linear && 2 * (d + 1) < n { Self::Linear } else { Self::Constant }
     }
 
-    /// Number of basis functions p in `d` variables.
-    pub fn functions(self, d: usize) -> usize {
-        match self {
-            Self::Constant => 1,
-            Self::Linear => d + 1,
-        }
-    }
-
     /// Values of the basis functions `(p, b)` at standardised points `(d, b)`.
     pub(crate) fn basis(self, points: MatRef<'_, f64>) -> Mat<f64> {
-        Mat::from_fn(self.functions(points.nrows()), points.ncols(), |k, i| {
-            if k == 0 { 1.0 } else { points[(k - 1, i)] }
-        })
+        let functions = if self == Self::Linear { points.nrows() + 1 } else { 1 };
+        Mat::from_fn(functions, points.ncols(), |k, i| if k == 0 { 1.0 } else { points[(k - 1, i)] })
     }
 }
 
@@ -96,9 +87,9 @@ impl Whitened {
             for _ in 0..2 {
                 for before in 0..k {
                     let (q_before, q_k) = q.two_cols_mut(before, k);
-                    let overlap = ratio(dot(q_before.as_ref(), q_k.as_ref()), squares[before]);
+                    let overlap = ratio(q_before.as_ref().transpose() * q_k.as_ref(), squares[before]);
                     u[(before, k)] += overlap;
-                    zip_add(q_k, q_before.as_ref(), -overlap);
+                    q_k.iter_mut().zip(q_before.iter()).for_each(|(to, from)| *to += -overlap * from);
                 }
             }
             let left = q.col(k).squared_norm_l2();
@@ -159,14 +150,6 @@ impl Whitened {
 /// a / b; 0 unless b is positive.
 pub(super) fn ratio(a: f64, b: f64) -> f64 {
     if b > 0.0 { a / b } else { 0.0 }
-}
-
-fn dot(a: faer::ColRef<'_, f64>, b: faer::ColRef<'_, f64>) -> f64 {
-    a.transpose() * b
-}
-
-fn zip_add(to: faer::ColMut<'_, f64>, from: faer::ColRef<'_, f64>, factor: f64) {
-    to.iter_mut().zip(from.iter()).for_each(|(to, from)| *to += factor * from);
 }
 
 #[cfg(test)]

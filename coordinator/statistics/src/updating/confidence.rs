@@ -143,19 +143,15 @@ impl CurveDraws {
         let total: f64 = self.weights.iter().sum();
         let row = |(n, cycles): (usize, &f64)| {
             let q = self.quantiles_of(&self.weights, |t| self.curves[t][n], &p);
-            let mean =
-                self.curves.iter().zip(&self.weights).map(|(curve, w)| w * curve[n]).sum::<f64>() / total;
+            let weighted = self.curves.iter().zip(&self.weights).map(|(curve, w)| w * curve[n]);
+            let mean = weighted.sum::<f64>() / total;
             ConfidentRow { cycles: *cycles, median: q[0], mean, at_least: q[1], interval: [q[2], q[3]] }
         };
         let finite = |life: f64| life.is_finite().then_some(life);
         let life = |(l, reliability): (usize, &f64)| {
             let q = self.quantiles_of(&self.weights, |t| self.lives[t][l], &p);
-            ConfidentLife {
-                reliability: *reliability,
-                median: finite(q[0]),
-                at_least: finite(q[1]),
-                interval: [finite(q[2]), finite(q[3])],
-            }
+            let [median, at_least, lower, upper] = [q[0], q[1], q[2], q[3]].map(finite);
+            ConfidentLife { reliability: *reliability, median, at_least, interval: [lower, upper] }
         };
         ConfidentReliability {
             confidence,

@@ -71,8 +71,7 @@ impl Evidence {
             }
             Self::Survived(life) => possible(phi == 0.0 || particles.predictions.life(i) > phi * life),
             Self::Failed { life, by } => {
-                let fails = particles.predictions.life(i) <= life / phi && is_by(particles, i, by);
-                possible(phi == 0.0 || fails)
+                possible(phi == 0.0 || particles.predictions.life(i) <= life / phi && is_by(particles, i, by))
             }
             Self::Life { .. } if phi == 0.0 => 0.0,
             Self::Life { life, std, by } => {
@@ -102,11 +101,9 @@ impl Evidence {
             }
             Self::Life { life, std, by } => {
                 let at = |i: usize| (life - particles.predictions.life(i)) / std;
-                let of = |sign: f64| {
-                    particles.mean(|i| {
-                        if is_by(particles, i, by) { standard_normal_cdf(sign * at(i)) } else { 0.0 }
-                    })
-                };
+                let cdf =
+                    |x: f64, i: usize| if is_by(particles, i, by) { standard_normal_cdf(x) } else { 0.0 };
+                let of = |sign: f64| particles.mean(|i| cdf(sign * at(i), i));
                 (2.0 * of(1.0).min(of(-1.0))).min(1.0)
             }
             // A likelihood is no probability.

@@ -10,12 +10,9 @@
 //! |---|---|
 //! | `confidence` | R(n) and lives at a confidence, from many sets of parameters |
 //! | `evidence` | likelihood and predictive probability of an observation |
-//! | `hierarchy` | likelihood of a population's parameters from the states of its units |
-//! | `parameters` | unknown parameters of distributions with their priors |
+//! | `hierarchy` | weights of points under changed distributions; likelihood of a population's parameters from the states of its units |
+//! | `parameters` | unknown parameters of distributions with their priors, and those that few samples leave open |
 //! | `particles` | weighted states with their predictions, effective size, quantiles |
-//! | `pivots` | parameters of fitted distributions that few samples leave open |
-//! | `proposal` | moves that leave a normal approximation invariant |
-//! | `reweighting` | weights of points under changed distributions |
 //! | `sequential` | updating by weights, and by tempering with Markov chain moves |
 //!
 //! # Source
@@ -28,18 +25,13 @@ mod evidence;
 mod hierarchy;
 mod parameters;
 mod particles;
-mod pivots;
-mod proposal;
-mod reweighting;
 mod sequential;
 #[cfg(test)]
 mod tests;
 
 pub use confidence::{ConfidentLife, ConfidentReliability, ConfidentRow, CurveDraws};
 pub use evidence::Evidence;
-pub use hierarchy::{Fleet, UnitPoints};
-pub use parameters::{ParameterPrior, ParameterSpace, UncertainVariable, is_positive_family};
+pub use hierarchy::{Fleet, Reweighting, UnitPoints};
+pub use parameters::{ParameterPrior, ParameterSpace, UncertainVariable, fitted_draws, is_positive_family};
 pub use particles::{Particles, Predictions};
-pub use pivots::fitted_draws;
-pub use reweighting::{PointPlaces, Reweighting};
 pub use sequential::{SequentialMonteCarlo, UnitModel, UnitPosterior, Unsupported};

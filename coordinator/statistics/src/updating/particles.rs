@@ -115,14 +115,11 @@ impl Particles {
         let positive = (0..self.len()).filter(|i| self.weights[*i] > 0.0);
         let mut pairs: Vec<(f64, f64)> = positive.map(|i| (of(i), self.weights[i])).collect();
         pairs.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-        let mut sum = 0.0;
-        let cumulated: Vec<f64> = pairs
-            .iter()
-            .map(|(_, w)| {
-                sum += w;
-                sum
-            })
-            .collect();
+        let add = |sum: &mut f64, (_, w): &(f64, f64)| {
+            *sum += w;
+            Some(*sum)
+        };
+        let cumulated: Vec<f64> = pairs.iter().scan(0.0, add).collect();
         let at = |p: &f64| {
             let i = cumulated.partition_point(|c| *c < *p).min(pairs.len().saturating_sub(1));
             pairs.get(i).map_or(f64::NAN, |pair| pair.0)
@@ -133,16 +130,15 @@ impl Particles {
     /// `count` particles of equal weight, by systematic resampling from the place `uniform` in (0, 1).
     pub(super) fn resampled(&self, count: usize, uniform: f64) -> Self {
         let (mut i, mut sum) = (0, self.weights[0]);
-        let chosen: Vec<usize> = (0..count)
-            .map(|k| {
-                let place = (k as f64 + uniform) / count as f64;
-                while sum < place && i + 1 < self.len() {
-                    i += 1;
-                    sum += self.weights[i];
-                }
-                i
-            })
-            .collect();
+        let next = |k: usize| {
+            let place = (k as f64 + uniform) / count as f64;
+            while sum < place && i + 1 < self.len() {
+                i += 1;
+                sum += self.weights[i];
+            }
+            i
+        };
+        let chosen: Vec<usize> = (0..count).map(next).collect();
         let states = chosen.iter().flat_map(|i| self.state(*i).iter().copied()).collect();
         Self::equal(self.dimension, states, self.predictions.chosen(&chosen))
     }

@@ -3,8 +3,7 @@
 //! # Source
 //! Nikravesh (1988), Computer-Aided Analysis of Mechanical Systems.
 
-use super::force::{LoadForce, NO_FRAME, times};
-use super::size::Size;
+use super::force::{LoadForce, NO_FRAME, Size, times};
 use crate::lanes::{Real, lanewise};
 use crate::mechanism::frame::{End, Frame};
 use crate::plane::{cross, dot};

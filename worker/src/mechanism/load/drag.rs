@@ -12,11 +12,7 @@
 //! # Source
 //! Batchelor (1967), An Introduction to Fluid Dynamics, section 5.11.
 
-// In lanes, closures of iterators are not compiled for the instruction set of the loop around them.
-#![allow(clippy::needless_range_loop)]
-
-use super::force::{LoadForce, NO_FRAME, times};
-use super::size::Size;
+use super::force::{LoadForce, NO_FRAME, Size, times};
 use crate::lanes::{Real, lanewise};
 use crate::mechanism::frame::{End, Frame};
 use crate::plane::{cross, dot};

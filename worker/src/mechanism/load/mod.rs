@@ -7,7 +7,6 @@
 mod actuators;
 mod drag;
 mod force;
-mod size;
 mod springs;
 mod stops;
 
@@ -19,7 +18,7 @@ use crate::lanes::{Lanewise, Real};
 use actuators::{BodyTorque, Motor, PointForce};
 use common::scene::{Curve, Load};
 use drag::{Drag, RotationalDrag};
-use size::Size;
+use force::Size;
 use springs::{DirectionalSpring, Spring, TorsionSpring};
 use stops::{AngleStop, LineStop};
 

@@ -3,9 +3,6 @@
 //! # Source
 //! Nikravesh (1988), Computer-Aided Analysis of Mechanical Systems.
 
-// In lanes, closures of iterators are not compiled for the instruction set of the loop around them.
-#![allow(clippy::needless_range_loop)]
-
 use super::force::{LoadForce, times};
 use crate::lanes::{Real, lanewise};
 use crate::mechanism::frame::{End, Frame};

@@ -34,7 +34,7 @@ impl ClaimLoop {
             return Ok(None);
         };
         self.farewell_answered |= leaving;
-        self.contact.on_reply(since);
+        self.contact.answered = Some(since);
         self.monitor.on_answer();
         self.backoff.reset();
         self.unacknowledged.forget(&reply.acknowledged);
@@ -50,7 +50,7 @@ impl ClaimLoop {
                 self.claim_at = if received < credits { now + QUEUE_EMPTY_PAUSE } else { now };
             }
             Next::Idle { ask_again } => {
-                self.slots.shares().answered(self.coordinator, 0, now);
+                self.slots.shares.answered(self.coordinator, 0, now);
                 // Without credits, the reply says nothing about the queue.
                 if credits > 0 {
                     self.claim_at =
@@ -72,8 +72,8 @@ impl ClaimLoop {
         }
         tracing::info!("the campaign at {} has ended", self.config.connect[self.coordinator]);
         self.pending = None;
-        self.slots.shares().answered(self.coordinator, 0, now);
-        self.slots.simulator().on_campaign_ended();
+        self.slots.shares.answered(self.coordinator, 0, now);
+        self.slots.simulator.on_campaign_ended();
         self.withdraw(|_| true);
         self.unacknowledged = UnacknowledgedResults::default();
         (self.claim_at, self.silent_until) = (now + QUEUE_EMPTY_PAUSE, now + QUEUE_EMPTY_PAUSE);
@@ -90,13 +90,13 @@ impl ClaimLoop {
         if self.leaving_since.is_some() {
             tasks.clear();
         }
-        self.slots.shares().answered(self.coordinator, tasks.len(), now);
-        self.contact.on_work(order.licensed);
+        self.slots.shares.answered(self.coordinator, tasks.len(), now);
+        self.contact.licensed = order.licensed;
         let order = Arc::new(order);
         self.running.extend(tasks.iter().map(|task| (task.clone(), now)));
         self.limit_contact();
         for task in tasks {
-            self.slots.start_job(Job { order: Arc::clone(&order), task, coordinator: self.coordinator });
+            self.slots.queue.push(Job { order: Arc::clone(&order), task, coordinator: self.coordinator });
         }
     }
 }

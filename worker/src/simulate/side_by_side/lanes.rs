@@ -8,6 +8,7 @@ use crate::mechanism::{Island, IslandLanes, same_topology};
 use crate::outputs::{ContactLanes, MotionRows};
 use crate::simulate::island_state::IslandState;
 use pulp::Simd;
+use std::rc::Rc;
 
 /// Islands of one topology in lanes of some width.
 pub(super) trait Group {
@@ -53,7 +54,7 @@ impl<S: Simd> Vectorised for Rounds<'_, S> {
         loop {
             let LaneGroup { island_lanes, stepper, contacts, occupants, .. } = group;
             stepper.try_steps(island_lanes);
-            contacts.record(stepper.time(), &stepper.at, &mut |joint, lane, sample| {
+            contacts.record(stepper.progress.time, &stepper.at, &mut |joint, lane, sample| {
                 if let Some(pending) = &mut occupants[lane] {
                     let history = pending.span.state.recorder.histories[joint].bore_mut();
                     history.into_iter().for_each(|history| history.samples.push(sample));
@@ -81,7 +82,7 @@ impl<S: Simd> Group for LaneGroup<S> {
     }
 
     fn cpu_times(&self) -> Vec<CpuTime> {
-        self.occupants.iter().flatten().map(PendingSpan::cpu_time).collect()
+        self.occupants.iter().flatten().map(|pending| Rc::clone(&pending.cpu_time)).collect()
     }
 
     fn fill(&mut self, queue: &LaneQueue) {
@@ -157,7 +158,7 @@ impl<S: Simd> LaneGroup<S> {
                 match result {
                     Err(IntegrationError::Singular(time)) => pending.integrate_alone(time, progress.counts()),
                     // It may lock itself, which only one island by itself finds out.
-                    Err(IntegrationError::StepTooSmall { time, .. }) if island.has_friction() => {
+                    Err(IntegrationError::StepTooSmall { time, .. }) if island.ideal.friction.count() > 0 => {
                         pending.integrate_alone(time, progress.counts())
                     }
                     result => pending.complete(progress.counts(), result),
@@ -179,7 +180,7 @@ impl<S: Simd> LaneGroup<S> {
             let lane = self.watched[index];
             let Some(pending) = &mut self.occupants[lane] else { continue };
             let IslandState { island, recorder, .. } = &mut pending.span.state;
-            let time = self.stepper.time().lane(lane);
+            let time = self.stepper.progress.time.lane(lane);
             if sound.lane(lane) != 1.0 || self.stepper.fresh.lane(lane) != 1.0 || recorder.has_recorded(time)
             {
                 continue;
@@ -204,7 +205,7 @@ impl<S: Simd> LaneGroup<S> {
     fn record_rows_of(&mut self, lane: usize) {
         let Some(pending) = &mut self.occupants[lane] else { return };
         let IslandState { island, recorder, .. } = &mut pending.span.state;
-        recorder.record_rows(island, &self.motion.of_lane(lane), (&mut self.q, &mut self.v, &mut self.at));
+        recorder.record_rows(island, (&self.motion, lane), (&mut self.q, &mut self.v, &mut self.at));
     }
 
     /// Adds the joint with the largest error of a lane to an error of its integration.

@@ -9,13 +9,12 @@
 //! |---|---|
 //! | `queue.rs` | spans waiting for a lane, and their results |
 //! | `lanes.rs` | integrates queued islands, one per lane |
-//! | `pool.rs` | the groups of lanes of a thread |
+//! | `executor.rs` | the groups of lanes of a thread |
 //! | `executor.rs` | polls the evaluations and runs the lanes |
 //! | `width.rs` | how many numbers a lane group holds |
 
 mod executor;
 mod lanes;
-mod pool;
 mod queue;
 mod width;
 

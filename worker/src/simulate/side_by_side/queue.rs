@@ -41,15 +41,11 @@ pub struct PendingSpan {
     /// The island and its span of time.
     pub span: Span,
     slot: Slot,
-    cpu_time: CpuTime,
+    /// Processor time of the evaluation that waits.
+    pub(super) cpu_time: CpuTime,
 }
 
 impl PendingSpan {
-    /// Processor time of the evaluation that waits.
-    pub(crate) fn cpu_time(&self) -> CpuTime {
-        Rc::clone(&self.cpu_time)
-    }
-
     /// Returns the island to its evaluation.
     pub(crate) fn complete(self, counts: StepCounts, result: Result<(), IntegrationError>) {
         *self.slot.borrow_mut() = Some(Integrated { state: self.span.state, counts, result });
@@ -73,18 +69,14 @@ impl PendingSpan {
 #[derive(Clone, Default)]
 pub struct LaneQueue {
     waiting: Rc<RefCell<VecDeque<PendingSpan>>>,
-    cpu_time: CpuTime,
+    /// Processor time charged to this evaluation so far.
+    pub(super) cpu_time: CpuTime,
 }
 
 impl LaneQueue {
     /// A handle to this queue for another evaluation, with processor time of zero.
     pub(crate) fn for_another(&self) -> Self {
         LaneQueue { waiting: Rc::clone(&self.waiting), cpu_time: CpuTime::default() }
-    }
-
-    /// Processor time charged to this evaluation so far.
-    pub(crate) fn cpu_time(&self) -> CpuTime {
-        Rc::clone(&self.cpu_time)
     }
 
     /// Integrates every span; the results are in the order of the spans.
@@ -102,7 +94,7 @@ impl LaneQueue {
     /// Queues a span.
     fn submit(&self, span: Span) -> Slot {
         let slot = Slot::default();
-        let pending = PendingSpan { span, slot: Rc::clone(&slot), cpu_time: self.cpu_time() };
+        let pending = PendingSpan { span, slot: Rc::clone(&slot), cpu_time: Rc::clone(&self.cpu_time) };
         self.waiting.borrow_mut().push_back(pending);
         slot
     }

@@ -38,12 +38,12 @@ impl Farm {
         self.sequence += 1;
         let mut claim = claim(&worker(name), self.sequence, credits, finished, holding);
         claim.slots = 1;
-        let actions = self.scheduler.on_event(START, Event::Claimed { token: self.sequence, claim });
+        let actions = self.scheduler.on_event(START, Event::Claimed(self.sequence, claim));
         self.take(&actions);
         let mut answer = reply(&actions);
         for done in actions {
             if let Action::Deliver(finished) = done {
-                let recorded = self.scheduler.on_event(START, Event::Recorded { task: finished.id });
+                let recorded = self.scheduler.on_event(START, Event::Recorded(finished.id));
                 answer = answer.or_else(|| reply(&recorded));
             }
         }
@@ -54,7 +54,7 @@ impl Farm {
         for action in actions {
             match action {
                 Action::Deliver(finished) => self.delivered.push((**finished).clone()),
-                Action::GiveUp { task, reason } => self.given_up.push((*task, reason.clone())),
+                Action::GiveUp(task, reason) => self.given_up.push((*task, reason.clone())),
                 Action::Warn(warning) => self.warnings.push(warning.clone()),
                 _ => {}
             }
@@ -65,7 +65,7 @@ impl Farm {
     fn run(&mut self, factors: &[(&str, f64)]) {
         let mut running: Vec<Option<Task>> = vec![None; factors.len()];
         for turn in 0..1000 {
-            if self.scheduler.open() == 0 || !self.given_up.is_empty() {
+            if self.scheduler.tasks.open() == 0 || !self.given_up.is_empty() {
                 return;
             }
             let k = turn % factors.len();
@@ -104,7 +104,7 @@ fn issue_a_worker_with_other_results_was_believed() {
         assert_eq!(farm.delivered.len(), 12, "{wrong}");
         assert!(farm.delivered.iter().all(|finished| !finished.worker.starts_with(wrong)), "{wrong}");
         let named =
-            |warning: &Warning| matches!(warning, Warning::Unusable { worker, .. } if worker.name == wrong);
+            |warning: &Warning| matches!(warning, Warning::Unusable(worker, ..) if worker.name == wrong);
         assert!(farm.warnings.iter().any(named), "{wrong}: {:?}", farm.warnings);
     }
 }

@@ -16,18 +16,10 @@ pub enum Event {
     WorkerJoined(WorkerId),
     /// The liveliness token of a worker disappeared: it crashed, hangs, lost its connection or left.
     WorkerLost(WorkerId),
-    /// A worker claims tasks and returns outcomes.
-    Claimed {
-        /// Identifies the claim in its reply.
-        token: Token,
-        /// Contents of the claim.
-        claim: Claim,
-    },
-    /// The outcome of this task is durable.
-    Recorded {
-        /// Number of the evaluation.
-        task: u64,
-    },
+    /// A worker claims tasks and returns outcomes; the token identifies the claim in its reply.
+    Claimed(Token, Claim),
+    /// The outcome of the task of this number is durable.
+    Recorded(u64),
     /// The study cancels all open requests.
     Cancel,
     /// The campaign has ended: all workers are to leave.
@@ -41,26 +33,14 @@ pub enum Event {
 pub enum Action {
     /// Pass the outcome to the study, which responds with [`Event::Recorded`].
     Deliver(Box<Finished>),
-    /// Answer a claim.
-    Reply {
-        /// Identifies the claim.
-        token: Token,
-        /// Outcomes the worker may discard.
-        acknowledged: Vec<TaskKey>,
-        /// Next step of the worker.
-        assignment: Assignment,
-    },
+    /// Answer the claim of this token: outcomes that the worker may discard, and its next step.
+    Reply(Token, Vec<TaskKey>, Assignment),
     /// Announce waiting points to all workers.
     Announce(Vec<CandidatePoint>),
     /// Announce the end of the campaign to all workers.
     AnnounceEnd,
-    /// Give a task up without outcome.
-    GiveUp {
-        /// Number of the evaluation.
-        task: u64,
-        /// Number and kind of its losses.
-        reason: String,
-    },
+    /// Give the task of this number up without outcome, with number and kind of its losses.
+    GiveUp(u64, String),
     /// Warn the user.
     Warn(Warning),
 }
@@ -79,68 +59,23 @@ pub enum Assignment {
 /// A condition the user should check.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Warning {
-    /// Tasks wait and no worker is connected.
-    NoWorker {
-        /// Tasks without an outcome.
-        open: usize,
-        /// Time without any worker.
-        since: Duration,
-    },
+    /// Tasks wait and no worker is connected: their number, and the time without any worker.
+    NoWorker(usize, Duration),
     /// A worker claims tasks but has no liveliness token (access rules?). Its loss could not be detected, so it gets no
     /// tasks.
-    NoLiveliness {
-        /// The worker concerned.
-        worker: WorkerId,
-    },
-    /// A worker was lost with leased tasks, which are requeued.
-    WorkerLost {
-        /// The worker concerned.
-        worker: WorkerId,
-        /// Numbers of its tasks.
-        tasks: Vec<u64>,
-    },
-    /// A task exceeded its deadline; another worker gets it too.
-    Overdue {
-        /// The worker concerned.
-        worker: WorkerId,
-        /// Number of the task.
-        task: u64,
-        /// Time since its lease.
-        after: Duration,
-    },
-    /// A worker does not offer the scene or simulator of the campaign, so it gets no tasks.
-    NotOffered {
-        /// The worker concerned.
-        worker: WorkerId,
-        /// What it offers.
-        offers: Offers,
-    },
-    /// A worker cannot use its simulator, so it gets no more tasks.
-    Unusable {
-        /// The worker concerned.
-        worker: WorkerId,
-        /// What it reports.
-        reason: String,
-    },
-    /// A claim is not newer than an earlier one of its worker, which gets no tasks by it.
-    OutdatedClaim {
-        /// The worker concerned.
-        worker: WorkerId,
-        /// Number of such claims so far.
-        count: u64,
-    },
-    /// An outcome belongs to another campaign.
-    OtherCampaign {
-        /// The worker concerned.
-        worker: WorkerId,
-        /// Number of such outcomes so far.
-        count: u64,
-    },
-    /// An outcome has the number of a task but another sample.
-    OtherSample {
-        /// The worker concerned.
-        worker: WorkerId,
-        /// Number of the task.
-        task: u64,
-    },
+    NoLiveliness(WorkerId),
+    /// A worker was lost with leased tasks of these numbers, which are requeued.
+    WorkerLost(WorkerId, Vec<u64>),
+    /// The task of this number exceeded its deadline this time after its lease; another worker gets it too.
+    Overdue(WorkerId, u64, Duration),
+    /// A worker does not offer the scene or simulator of the campaign, but this, so it gets no tasks.
+    NotOffered(WorkerId, Offers),
+    /// A worker cannot use its simulator, so it gets no more tasks, with what it reports.
+    Unusable(WorkerId, String),
+    /// A claim is not newer than an earlier one of its worker, which gets no tasks by it; number of such claims so far.
+    OutdatedClaim(WorkerId, u64),
+    /// An outcome belongs to another campaign; number of such outcomes so far.
+    OtherCampaign(WorkerId, u64),
+    /// An outcome has the number of this task but another sample.
+    OtherSample(WorkerId, u64),
 }

@@ -1,6 +1,8 @@
-//! Which workers may run how many tasks of an external simulator: licences, and reports of simulators that cannot be used.
+//! Which workers may run how many tasks: licences, reports of simulators that cannot be used, and tasks lost with their workers or past
+//! their deadlines.
 
-use super::tasks::TaskStatus;
+use super::licences::{LEAVING, LICENCE_HOLD};
+use super::tasks::{Phase, TaskStatus};
 use super::{Action, Scheduler, Warning};
 use common::wire::{TaskKey, WorkerId};
 use std::collections::BTreeSet;
@@ -18,87 +20,114 @@ impl Scheduler {
     }
 
     /// Holds the licences of a lost worker back: its programs may still run.
-    pub(super) fn hold_licences_of_lost(&mut self, now: Duration, id: &WorkerId) {
+    pub(super) fn hold_licences_of_lost(&mut self, id: &WorkerId) {
         if self.settings.licences.is_some() {
-            self.held_licences.hold(id, self.workers.under_way_at(id), now);
+            self.held_licences.hold(id, self.workers.under_way_at(id), self.now + LICENCE_HOLD);
         }
     }
 
     /// Accounts for a worker's claim with the tasks `running`: their licences are those of its leases, and held back for
     /// tasks that have ended elsewhere meanwhile, or that the study has not requested again after a restart. After the claim
     /// of a worker that leaves, its programs end.
-    pub(super) fn account_for_licences(
-        &mut self,
-        now: Duration,
-        id: &WorkerId,
-        leaving: bool,
-        running: &BTreeSet<u64>,
-    ) {
+    pub(super) fn account_for_licences(&mut self, id: &WorkerId, leaving: bool, running: &BTreeSet<u64>) {
         if self.settings.licences.is_none() {
             return;
         }
         if leaving {
-            self.held_licences.hold_leaving(id, self.workers.under_way_at(id), now);
+            self.held_licences.hold(id, self.workers.under_way_at(id), self.now + LEAVING);
         } else {
             let has_no_lease = |task: &&u64| {
                 matches!(self.tasks.status(**task), TaskStatus::Ended | TaskStatus::NotRequested)
             };
             let without_lease = running.iter().filter(has_no_lease).count();
             self.held_licences.forget(id);
-            self.held_licences.hold(id, without_lease, now);
+            self.held_licences.hold(id, without_lease, self.now + LICENCE_HOLD);
         }
     }
 
     /// Holds the licences of all workers back, whose tasks are cancelled.
-    pub(super) fn hold_all_licences(&mut self, now: Duration) {
+    pub(super) fn hold_all_licences(&mut self) {
         let ids: Vec<WorkerId> = self.workers.iter().map(|(id, _)| id.clone()).collect();
-        ids.iter().for_each(|id| self.hold_licences_of_lost(now, id));
+        ids.iter().for_each(|id| self.hold_licences_of_lost(id));
     }
 
     /// Releases the licences whose time is over; announces the queued tasks, so that idle workers claim again.
-    pub(super) fn release_licences(&mut self, now: Duration, actions: &mut Vec<Action>) {
-        if self.held_licences.release(now) {
-            let points = self.tasks.queued();
-            if !points.is_empty() {
-                actions.push(Action::Announce(points));
-            }
+    pub(super) fn release_licences(&mut self) {
+        if self.held_licences.release(self.now) {
+            self.announce(self.tasks.queued());
         }
     }
 
     /// Excludes a worker that cannot use its simulator; its task returns to the queue, without a loss.
-    pub(super) fn on_unusable(
-        &mut self,
-        now: Duration,
-        id: &WorkerId,
-        key: TaskKey,
-        reason: String,
-        actions: &mut Vec<Action>,
-    ) {
+    pub(super) fn on_unusable(&mut self, id: &WorkerId, key: TaskKey, reason: String) {
         if key.campaign != self.settings.campaign {
             return;
         }
         if self.workers.exclude_unusable(id) {
-            self.unusable = Some((now, format!("worker {}: {reason}", id.name)));
-            actions.push(Action::Warn(Warning::Unusable { worker: id.clone(), reason }));
+            self.unusable = Some((self.now, format!("worker {}: {reason}", id.name)));
+            self.actions.push(Action::Warn(Warning::Unusable(id.clone(), reason)));
         }
-        let is_held = self.workers.get(id).is_some_and(|worker| worker.holds(key.task));
+        let is_held = self.workers.get(id).is_some_and(|worker| worker.leases.contains_key(&key.task));
         if is_held && !self.workers.release(id, key.task) {
-            self.requeue(vec![key.task], actions);
+            self.requeue(vec![key.task]);
         }
     }
 
     /// Gives a task up if all workers have reported that they cannot use their simulators, some time ago: others may
     /// have been about to connect.
-    pub(super) fn give_up_unusable(&mut self, now: Duration, actions: &mut Vec<Action>) {
+    pub(super) fn give_up_unusable(&mut self) {
         if self.workers.any_eligible() {
             self.unusable = None;
         }
         let over =
-            |(since, _): &mut (Duration, String)| now.saturating_sub(*since) >= self.settings.unattended;
+            |(since, _): &mut (Duration, String)| self.now.saturating_sub(*since) >= self.settings.unattended;
         let Some((_, reason)) = self.unusable.take_if(over) else { return };
         if let Some(task) = self.tasks.first_open() {
-            self.tasks.end(task);
-            actions.push(Action::GiveUp { task, reason });
+            self.give_up(task, reason);
         }
+    }
+}
+
+impl Scheduler {
+    pub(super) fn on_worker_lost(&mut self, id: WorkerId) {
+        self.hold_licences_of_lost(&id);
+        let tasks = self.workers.remove(&id);
+        if tasks.is_empty() {
+            return;
+        }
+        tasks.iter().for_each(|task| self.tasks.set_lost_worker(*task, &id));
+        self.actions.push(Action::Warn(Warning::WorkerLost(id, tasks.clone())));
+        self.count_losses(tasks, "workers were lost while running it");
+    }
+
+    /// Requeues each task that no other worker holds; gives up a task after `losses_allowed` losses.
+    pub(super) fn count_losses(&mut self, tasks: Vec<u64>, what: &str) {
+        let mut again = Vec::new();
+        for task in tasks {
+            let losses = self.tasks.count_loss(task);
+            match losses.filter(|_| !self.workers.is_held(task)) {
+                Some(losses) if losses >= self.settings.losses_allowed => {
+                    self.give_up(task, format!("{losses} {what}"));
+                }
+                Some(_) => again.push(task),
+                None => {}
+            }
+        }
+        self.requeue(again);
+    }
+
+    /// Returns tasks to the front of the queue, in the order of their numbers, and announces them.
+    pub(super) fn requeue(&mut self, tasks: Vec<u64>) {
+        let points =
+            tasks.into_iter().rev().filter_map(|task| self.tasks.requeue(task, Phase::Leased)).collect();
+        self.announce(points);
+    }
+
+    pub(super) fn check_deadlines(&mut self) {
+        let overdue = self.workers.take_overdue(self.now, self.settings.deadline(self.longest_wall));
+        let tasks = overdue.iter().map(|(_, task, _)| *task).collect();
+        let warning = |(worker, task, after)| Action::Warn(Warning::Overdue(worker, task, after));
+        self.actions.extend(overdue.into_iter().map(warning));
+        self.count_losses(tasks, "deadlines have passed");
     }
 }

@@ -67,8 +67,8 @@ impl Farm {
                     assert!(!before, "task {} was delivered twice", finished.id);
                     self.unrecorded.push(finished.id);
                 }
-                Action::GiveUp { task, .. } => self.given_up.push(task),
-                Action::Reply { token, acknowledged, assignment } => {
+                Action::GiveUp(task, _) => self.given_up.push(task),
+                Action::Reply(token, acknowledged, assignment) => {
                     for key in &acknowledged {
                         let ended = self.recorded.contains(&key.task) || self.given_up.contains(&key.task);
                         assert!(ended, "task {} was acknowledged before it was durable", key.task);
@@ -99,7 +99,7 @@ impl Farm {
         }
         let token = self.tokens.keys().last().map_or(0, |last| last + 1);
         self.tokens.insert(token, (claim.worker.clone(), claim.sequence));
-        self.event(Event::Claimed { token, claim });
+        self.event(Event::Claimed(token, claim));
     }
 
     fn deliver_reply(&mut self, at: usize) {
@@ -124,7 +124,7 @@ impl Farm {
     fn record_one(&mut self, at: usize) {
         let task = self.unrecorded.swap_remove(at);
         assert!(self.recorded.insert(task), "task {task} was recorded twice");
-        self.event(Event::Recorded { task });
+        self.event(Event::Recorded(task));
     }
 
     /// The study requests all evaluations without outcome again.
@@ -213,7 +213,7 @@ impl Farm {
             while !self.unrecorded.is_empty() {
                 self.record_one(0);
             }
-            if self.scheduler.open() == 0 {
+            if self.scheduler.tasks.open() == 0 {
                 return;
             }
             self.now += Duration::from_secs(1);
@@ -233,7 +233,7 @@ impl Farm {
                 }
             }
         }
-        panic!("{} tasks never ended", self.scheduler.open());
+        panic!("{} tasks never ended", self.scheduler.tasks.open());
     }
 }
 

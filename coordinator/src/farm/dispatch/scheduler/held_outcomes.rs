@@ -1,9 +1,9 @@
-//! Outcomes that another worker has to repeat, and when two of them agree.
+//! Outcomes that another worker has to repeat, when two of them agree, and samples that are evaluated once more: a worker that has
+//! evaluated one before gets it only where no other worker is connected.
 
 use super::event::Action;
-use crate::farm::evaluate::{Finished, agreement::agree};
-use common::failure::SimulationFailure;
-use common::outputs::Evaluation;
+use super::workers::{Worker, Workforce};
+use crate::farm::evaluate::{EvaluationResult, Finished, agree};
 use common::wire::WorkerId;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -23,11 +23,7 @@ impl CrossCheck {
         chosen_before(task as f64 + 1.0) > chosen_before(task as f64)
     }
 
-    pub(super) fn agree(
-        &self,
-        one: &Result<Evaluation, SimulationFailure>,
-        other: &Result<Evaluation, SimulationFailure>,
-    ) -> bool {
+    pub(super) fn agree(&self, one: &EvaluationResult, other: &EvaluationResult) -> bool {
         match (one, other) {
             (Ok(one), Ok(other)) => {
                 let [one_values, other_values] =
@@ -55,13 +51,20 @@ impl HeldOutcomes {
         self.by_task.get(&task).is_some_and(|held| held.iter().any(|(worker, _)| worker.name == id.name))
     }
 
-    /// Forgets what waits.
-    pub fn clear(&mut self) {
-        self.by_task.clear();
-    }
-
     pub fn pass_on(&mut self, worker: &WorkerId, finished: Finished, actions: &mut Vec<Action>) {
         *self.passed_on.entry(worker.clone()).or_default() += 1;
         actions.push(Action::Deliver(Box::new(finished)));
     }
+}
+
+/// True if a worker is not among the slots `not_by` that evaluated a sample before, or no other worker is connected that is not.
+pub(super) fn may_evaluate(not_by: &[String], id: &WorkerId, workers: &Workforce) -> bool {
+    // Slots of a worker are named `host-4711/0`.
+    let has_evaluated = |id: &WorkerId| {
+        let rest =
+            |slot: &String| slot.strip_prefix(&id.name).map(|rest| rest.is_empty() || rest.starts_with('/'));
+        not_by.iter().any(|slot| rest(slot) == Some(true))
+    };
+    let is_other = |(other, worker): (&WorkerId, &Worker)| worker.usable_slots() > 0 && !has_evaluated(other);
+    !has_evaluated(id) || !workers.iter().any(is_other)
 }

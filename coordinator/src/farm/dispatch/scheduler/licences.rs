@@ -11,24 +11,16 @@ use std::time::Duration;
 /// worker notices that it is over and ends its programs.
 pub const LICENCE_HOLD: Duration = LICENCE_CONTACT.saturating_add(Duration::from_secs(2));
 /// Time in which the programs of a worker that leaves have ended.
-const LEAVING: Duration = Duration::from_secs(1);
+pub(super) const LEAVING: Duration = Duration::from_secs(1);
 
 /// Licences held back, with the time until when.
 #[derive(Debug, Default)]
 pub(super) struct HeldLicences(BTreeMap<WorkerId, Vec<Duration>>);
 
 impl HeldLicences {
-    /// Holds licences of a worker back that has no leases for what it runs.
-    pub fn hold(&mut self, worker: &WorkerId, count: usize, now: Duration) {
-        self.hold_until(worker, count, now + LICENCE_HOLD);
-    }
-
-    /// Holds licences of a worker that leaves back until its programs have ended.
-    pub fn hold_leaving(&mut self, worker: &WorkerId, count: usize, now: Duration) {
-        self.hold_until(worker, count, now + LEAVING);
-    }
-
-    fn hold_until(&mut self, worker: &WorkerId, count: usize, until: Duration) {
+    /// Holds licences of a worker back until then: [`LICENCE_HOLD`] after the last contact of one that has no leases for what it runs,
+    /// [`LEAVING`] of one that leaves.
+    pub fn hold(&mut self, worker: &WorkerId, count: usize, until: Duration) {
         if count > 0 {
             self.0.entry(worker.clone()).or_default().extend(std::iter::repeat_n(until, count));
         }

@@ -42,7 +42,7 @@ fn exchange(s: &mut Scheduler, now: Duration, who: &WorkerId, sequence: u64, don
     ask(s, now, of_beam(who, sequence, outcomes, &[]));
     let mut last = vec![];
     for task in done {
-        last = s.on_event(now, Event::Recorded { task: task.key.task });
+        last = s.on_event(now, Event::Recorded(task.key.task));
     }
     reply(&last).expect("all outcomes are durable").1
 }
@@ -64,7 +64,7 @@ fn only_workers_with_the_same_simulator_get_tasks() {
         let actions = ask(&mut s, START, claim);
         assert_eq!(reply(&actions), Some((vec![], vec![])), "{}", id.name);
         assert!(actions.iter().any(|action| {
-            matches!(action, Action::Warn(Warning::NotOffered { worker, .. }) if *worker == id)
+            matches!(action, Action::Warn(Warning::NotOffered(worker, ..)) if *worker == id)
         }));
         // Once.
         assert_eq!(ask(&mut s, START, again).len(), 1);
@@ -123,7 +123,7 @@ fn licences_of_a_lost_worker_are_held_while_its_programs_may_run() {
     let done = vec![outcome(&next[0], &b)];
     let many = |sequence, done| Claim { slots: 9, credits: 9, ..of_beam(&b, sequence, done, &[0]) };
     ask(&mut s, later, many(6, done));
-    let held = reply(&s.on_event(later, Event::Recorded { task: next[0].key.task })).unwrap().1;
+    let held = reply(&s.on_event(later, Event::Recorded(next[0].key.task))).unwrap().1;
     assert_eq!(held.len(), 1, "two run at b, and one licence is held");
     assert_eq!(s.on_event(later + SECOND, Event::Tick).len(), 1);
     let kept = [0, held[0].key.task];
@@ -181,7 +181,7 @@ fn a_worker_that_cannot_use_its_simulator_gets_no_more_tasks() {
     let mut s = scheduler(&[&a, &b], 2, None);
     let mine = tasks(&mut s, START, Claim { credits: 1, ..of_beam(&a, 1, vec![], &[]) });
     let actions = ask(&mut s, START, of_beam(&a, 2, vec![unusable(&mine[0], &a)], &[]));
-    assert!(matches!(&actions[0], Action::Warn(Warning::Unusable { worker, .. }) if *worker == a));
+    assert!(matches!(&actions[0], Action::Warn(Warning::Unusable(worker, ..)) if *worker == a));
     // It is acknowledged, nothing is delivered, and the task returns to the queue without a loss.
     assert_eq!(reply(&actions), Some((vec![0], vec![])));
     assert_eq!(tasks(&mut s, START, of_beam(&a, 3, vec![], &[])), vec![]);
@@ -194,5 +194,5 @@ fn a_worker_that_cannot_use_its_simulator_gets_no_more_tasks() {
     assert_eq!(s.on_event(64 * SECOND, Event::Tick), vec![]);
     let given_up = s.on_event(65 * SECOND, Event::Tick);
     let reason = "worker b: no licence file".to_owned();
-    assert_eq!(given_up[0], Action::GiveUp { task: 0, reason });
+    assert_eq!(given_up[0], Action::GiveUp(0, reason));
 }

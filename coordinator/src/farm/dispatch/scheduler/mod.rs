@@ -27,7 +27,6 @@
 mod cross_check;
 #[cfg(test)]
 mod cross_check_tests;
-mod evaluated_before;
 mod event;
 mod external;
 #[cfg(test)]
@@ -36,12 +35,10 @@ mod held_outcomes;
 mod licences;
 #[cfg(test)]
 mod licences_tests;
-mod losses;
 mod pending_replies;
 #[cfg(test)]
 mod recovery_tests;
 mod settings;
-mod snapshot;
 mod tasks;
 #[cfg(test)]
 mod tests;
@@ -54,13 +51,11 @@ pub use event::{Action, Assignment, Event, Token, Warning};
 pub use held_outcomes::CrossCheck;
 pub use licences::LICENCE_HOLD;
 pub use settings::SchedulerSettings;
-pub use snapshot::FarmSnapshot;
 
 use crate::farm::evaluate::{Finished, Request};
 use common::failure::SimulationFailure;
-use common::wire::{Claim, Offers, Outcome, TaskKey, WorkerId};
-use evaluated_before::may_evaluate;
-use held_outcomes::HeldOutcomes;
+use common::wire::{CandidatePoint, Claim, FarmStatus, Offers, Outcome, TaskKey, WorkerId, WorkerStatus};
+use held_outcomes::{HeldOutcomes, may_evaluate};
 use licences::HeldLicences;
 use pending_replies::{PendingReplies, PendingReply};
 use std::collections::BTreeSet;
@@ -87,6 +82,10 @@ pub struct Scheduler {
     /// `settled_at` has not passed: no task is leased, and queued tasks are announced again when it passes.
     unsettled: bool,
     finishing: bool,
+    /// Time of the event that is handled, since any fixed moment.
+    now: Duration,
+    /// Actions of that event so far.
+    actions: Vec<Action>,
 }
 
 impl Scheduler {
@@ -105,40 +104,53 @@ impl Scheduler {
             longest_wall: None,
             settled_at: None,
             finishing: false,
+            now: Duration::ZERO,
+            actions: Vec::new(),
         }
     }
 
     /// Handles one event at time `now` (since any fixed moment); returns the actions to execute, in order.
     pub fn on_event(&mut self, now: Duration, event: Event) -> Vec<Action> {
-        let mut actions = Vec::new();
+        self.now = now;
         self.settled_at.get_or_insert(now + self.settings.settle);
         match event {
-            Event::Submit(requests) => self.on_submit(now, requests, &mut actions),
+            Event::Submit(requests) => self.on_submit(requests),
             Event::WorkerJoined(worker) => {
                 self.warnings.on_worker_joined(&worker);
                 self.workers.add(worker);
             }
-            Event::WorkerLost(worker) => self.on_worker_lost(now, worker, &mut actions),
-            Event::Claimed { token, claim } => self.on_claim(now, token, claim, &mut actions),
-            Event::Recorded { task } => self.on_recorded(now, task, &mut actions),
-            Event::Cancel => self.on_cancel(now, &mut actions),
+            Event::WorkerLost(worker) => self.on_worker_lost(worker),
+            Event::Claimed(token, claim) => self.on_claim(token, claim),
+            Event::Recorded(task) => self.on_recorded(task),
+            Event::Cancel => self.on_cancel(),
             Event::Finish => {
                 self.finishing = true;
-                actions.push(Action::AnnounceEnd);
-                self.on_cancel(now, &mut actions);
+                self.actions.push(Action::AnnounceEnd);
+                self.on_cancel();
             }
             Event::Tick => {
-                self.settle(now, &mut actions);
-                self.check_deadlines(now, &mut actions);
-                self.release_licences(now, &mut actions);
-                self.check_held(&mut actions);
-                self.give_up_unusable(now, &mut actions);
+                self.settle();
+                self.check_deadlines();
+                self.release_licences();
+                self.check_held();
+                self.give_up_unusable();
                 let open = if self.workers.any_eligible() { 0 } else { self.tasks.open() };
                 let warning = self.warnings.check_unattended(now, open, &self.settings);
-                actions.extend(warning.map(Action::Warn));
+                self.actions.extend(warning.map(Action::Warn));
             }
         }
-        actions
+        std::mem::take(&mut self.actions)
+    }
+
+    /// Gives a task up without an outcome.
+    fn give_up(&mut self, task: u64, reason: String) {
+        self.tasks.end(task);
+        self.actions.push(Action::GiveUp(task, reason));
+    }
+
+    /// Announces these points, if there are any.
+    fn announce(&mut self, points: Vec<CandidatePoint>) {
+        self.actions.extend((!points.is_empty()).then_some(Action::Announce(points)));
     }
 
     /// Connected workers with their slots (0 until their first claim, and for workers that get no tasks).
@@ -151,12 +163,20 @@ impl Scheduler {
         self.workers.revision()
     }
 
-    /// Number of tasks submitted and not ended.
-    pub fn open(&self) -> usize {
-        self.tasks.open()
+    /// The workers and the queue now, without evaluations done and rates.
+    pub fn status(&self) -> FarmStatus {
+        let worker = |(id, worker): (&WorkerId, &workers::Worker)| WorkerStatus {
+            name: id.name.clone(),
+            slots: worker.usable_slots(),
+            under_way: u32::try_from(worker.leases.len()).unwrap_or(u32::MAX),
+            ..WorkerStatus::default()
+        };
+        let (queued, workers) = (self.tasks.waiting() as u64, self.workers.iter().map(worker).collect());
+        let under_way = (self.tasks.open() as u64).saturating_sub(queued);
+        FarmStatus { queued, under_way, rate: 0.0, workers }
     }
 
-    fn on_submit(&mut self, now: Duration, requests: Vec<Request>, actions: &mut Vec<Action>) {
+    fn on_submit(&mut self, requests: Vec<Request>) {
         let mut points = Vec::new();
         for request in requests {
             let task = request.id;
@@ -164,28 +184,25 @@ impl Scheduler {
             points.push(point);
             if let Some(holder) = self.workers.take_unrequested(task) {
                 self.tasks.adopt(task);
-                self.workers.lease(&holder, task, now);
+                self.workers.lease(&holder, task, self.now);
             }
         }
-        actions.push(Action::Announce(points));
+        self.actions.push(Action::Announce(points));
     }
 
     /// Ends the settling time, once it is over: announces the queued tasks, so that idle workers claim again.
-    fn settle(&mut self, now: Duration, actions: &mut Vec<Action>) {
-        if self.unsettled && self.is_settled(now) {
+    fn settle(&mut self) {
+        if self.unsettled && self.is_settled() {
             self.unsettled = false;
-            let points = self.tasks.queued();
-            if !points.is_empty() {
-                actions.push(Action::Announce(points));
-            }
+            self.announce(self.tasks.queued());
         }
     }
 
-    fn is_settled(&self, now: Duration) -> bool {
-        !self.unsettled || self.settled_at.is_some_and(|at| now >= at)
+    fn is_settled(&self) -> bool {
+        !self.unsettled || self.settled_at.is_some_and(|at| self.now >= at)
     }
 
-    fn on_claim(&mut self, now: Duration, token: Token, claim: Claim, actions: &mut Vec<Action>) {
+    fn on_claim(&mut self, token: Token, claim: Claim) {
         let Claim { worker: id, sequence, offers, slots, credits, holding, finished, leaving } = claim;
         let offered = self.settings.admits(&offers);
         let campaign = self.settings.campaign;
@@ -197,13 +214,13 @@ impl Scheduler {
         running.retain(|task| !returned.contains(task));
 
         // Outcomes first: they count whichever worker returns them.
-        let mut pending =
-            PendingReply { worker: id.clone(), credits, acknowledged: Vec::new(), waiting: BTreeSet::new() };
+        let (acknowledged, waiting) = Default::default();
+        let mut pending = PendingReply { worker: id.clone(), credits, acknowledged, waiting };
         for mut outcome in finished {
             if let (None, Offers::Scenes(build)) = (self.settings.build, &offers) {
                 outcome.worker = format!("{} (build {build})", outcome.worker);
             }
-            self.on_outcome(now, outcome, &mut pending, actions);
+            self.on_outcome(outcome, &mut pending);
         }
 
         // Then the leases missing from the claim, and the tasks in the claim without a lease.
@@ -212,31 +229,31 @@ impl Scheduler {
         }
         if self.workers.get(&id).is_none() {
             pending.credits = 0;
-            self.held_licences.extend(&id, now);
-            actions.extend(self.warnings.on_claim_without_token(&id).map(Action::Warn));
+            self.held_licences.extend(&id, self.now);
+            self.actions.extend(self.warnings.on_claim_without_token(&id).map(Action::Warn));
         } else if self.workers.register_claim(&id, sequence, slots, offered) {
             if !offered {
-                actions.extend(self.warnings.on_claim_without_subject(&id, offers).map(Action::Warn));
+                self.actions.extend(self.warnings.on_claim_without_subject(&id, offers).map(Action::Warn));
             }
             let lost = self.workers.missing_leases(&id, &kept, leaving);
-            self.account_for_licences(now, &id, leaving, &running);
+            self.account_for_licences(&id, leaving, &running);
             self.workers.forget_dropped(&id, &kept);
             let free = lost.into_iter().filter(|task| !self.workers.release(&id, *task)).collect();
             self.pending_replies.withdraw_credits(&id);
-            self.requeue(free, actions);
+            self.requeue(free);
             if !leaving {
-                self.adopt(now, &id, &kept, &mut pending);
+                self.adopt(&id, &kept, &mut pending);
             }
         } else {
             pending.credits = 0;
-            actions.extend(self.warnings.on_outdated_claim(&id).map(Action::Warn));
+            self.actions.extend(self.warnings.on_outdated_claim(&id).map(Action::Warn));
         }
         self.pending_replies.add(token, pending);
-        self.answer_if_ready(now, token, actions);
+        self.answer_if_ready(token);
     }
 
     /// Adopts the tasks that a worker holds without a lease; acknowledges those that have ended.
-    fn adopt(&mut self, now: Duration, id: &WorkerId, kept: &BTreeSet<u64>, pending: &mut PendingReply) {
+    fn adopt(&mut self, id: &WorkerId, kept: &BTreeSet<u64>, pending: &mut PendingReply) {
         let mut unrequested = Vec::new();
         for &task in kept {
             match self.tasks.status(task) {
@@ -245,7 +262,7 @@ impl Scheduler {
                 TaskStatus::Open if self.workers.is_unknown_task(id, task) => {
                     self.tasks.adopt(task);
                     self.tasks.withdraw_loss(task, id);
-                    self.workers.lease(id, task, now);
+                    self.workers.lease(id, task, self.now);
                 }
                 TaskStatus::Open | TaskStatus::Delivered => {}
                 TaskStatus::Ended => {
@@ -262,32 +279,23 @@ impl Scheduler {
 
     /// Handles one outcome: acknowledges it now, delivers it and acknowledges it when durable, or leaves it with the
     /// worker.
-    fn on_outcome(
-        &mut self,
-        now: Duration,
-        outcome: Outcome,
-        pending: &mut PendingReply,
-        actions: &mut Vec<Action>,
-    ) {
+    fn on_outcome(&mut self, outcome: Outcome, pending: &mut PendingReply) {
         let Outcome { task, worker, wall, result } = outcome;
         let key = task.key;
         if let Err(SimulationFailure::SimulatorUnusable { reason }) = result {
             pending.acknowledged.push(key);
-            self.on_unusable(now, &pending.worker, key, reason, actions);
+            self.on_unusable(&pending.worker, key, reason);
             return;
         }
         match self.tasks.accept(&task) {
             OutcomeStatus::OtherCampaign => {
                 pending.acknowledged.push(key);
-                actions.extend(self.warnings.on_other_campaign(&pending.worker).map(Action::Warn));
+                self.actions.extend(self.warnings.on_other_campaign(&pending.worker).map(Action::Warn));
             }
             OutcomeStatus::NotNeeded => pending.acknowledged.push(key),
             OutcomeStatus::OtherSample => {
                 pending.acknowledged.push(key);
-                actions.push(Action::Warn(Warning::OtherSample {
-                    worker: pending.worker.clone(),
-                    task: key.task,
-                }));
+                self.actions.push(Action::Warn(Warning::OtherSample(pending.worker.clone(), key.task)));
             }
             OutcomeStatus::NotRequested => {}
             OutcomeStatus::Duplicate => {
@@ -295,11 +303,11 @@ impl Scheduler {
             }
             OutcomeStatus::First => {
                 self.longest_wall = Some(self.longest_wall.map_or(wall, |longest| longest.max(wall)));
-                self.workers.record_evaluation(&pending.worker, key.task, wall, now);
+                self.workers.record_evaluation(&pending.worker, key.task, wall, self.now);
                 self.workers.release_from_all(key.task);
                 let finished = Finished { id: key.task, outcome: result, worker, wall };
                 let id = pending.worker.clone();
-                match self.deliver_checked(&id, finished, actions) {
+                match self.deliver_checked(&id, finished) {
                     true if self.tasks.status(key.task) == TaskStatus::Delivered => {
                         pending.waiting.insert(key.task);
                     }
@@ -309,27 +317,27 @@ impl Scheduler {
         }
     }
 
-    fn on_recorded(&mut self, now: Duration, task: u64, actions: &mut Vec<Action>) {
+    fn on_recorded(&mut self, task: u64) {
         if !self.tasks.end(task) {
             return;
         }
         let key = TaskKey { campaign: self.settings.campaign, task };
         for token in self.pending_replies.recorded(key) {
-            self.answer_if_ready(now, token, actions);
+            self.answer_if_ready(token);
         }
     }
 
-    fn answer_if_ready(&mut self, now: Duration, token: Token, actions: &mut Vec<Action>) {
+    fn answer_if_ready(&mut self, token: Token) {
         let Some(PendingReply { worker: id, credits, acknowledged, .. }) =
             self.pending_replies.take_ready(token)
         else {
             return;
         };
-        let assignment = match self.workers.get(&id).map(workers::Worker::leased) {
+        let assignment = match self.workers.get(&id).map(|worker| worker.leases.len()) {
             _ if self.finishing => Assignment::Leave,
             // The worker was lost after its claim; tasks sent to it would be lost too.
             None => Assignment::Idle,
-            Some(_) if !self.is_settled(now) => Assignment::Idle,
+            Some(_) if !self.is_settled() => Assignment::Idle,
             Some(leased) => {
                 let room = self.workers.share(&id, self.tasks.open()).saturating_sub(leased);
                 let room = room.min(self.licences_for(&id));
@@ -342,20 +350,18 @@ impl Scheduler {
                 let mut tasks = self.tasks.lease(wanted, losses, is_open);
                 if tasks.len() < wanted && self.settings.licences.is_none() {
                     let SchedulerSettings { straggler_factor, straggler_least, .. } = self.settings;
-                    let late = self.workers.stragglers(&id, now, straggler_factor, straggler_least);
-                    tasks.extend(
-                        late.filter(|task| !held.has(*task, &id))
-                            .filter_map(|task| self.tasks.copy(task, losses))
-                            .take(wanted - tasks.len()),
-                    );
+                    let late = self.workers.stragglers(&id, self.now, straggler_factor, straggler_least);
+                    let late = late.filter(|task| !held.has(*task, &id));
+                    let copies = late.filter_map(|task| self.tasks.copy(task, losses));
+                    tasks.extend(copies.take(wanted - tasks.len()));
                 }
                 for task in &tasks {
-                    self.workers.lease(&id, task.key.task, now);
+                    self.workers.lease(&id, task.key.task, self.now);
                 }
                 if tasks.is_empty() { Assignment::Idle } else { Assignment::Work(tasks) }
             }
         };
-        actions.push(Action::Reply { token, acknowledged, assignment });
+        self.actions.push(Action::Reply(token, acknowledged, assignment));
     }
 
     /// Bound on the losses of a task that may go to this worker (exclusive).
@@ -364,14 +370,14 @@ impl Scheduler {
         if self.workers.has_finished(id) || !self.workers.any_has_finished() { u32::MAX } else { last_chance }
     }
 
-    fn on_cancel(&mut self, now: Duration, actions: &mut Vec<Action>) {
+    fn on_cancel(&mut self) {
         self.tasks.clear();
-        self.held.clear();
-        self.hold_all_licences(now);
+        self.held.by_task.clear();
+        self.hold_all_licences();
         self.workers.release_everything();
         // Outcomes that are not durable stay with their workers.
         for token in self.pending_replies.give_up_waiting() {
-            self.answer_if_ready(now, token, actions);
+            self.answer_if_ready(token);
         }
     }
 }

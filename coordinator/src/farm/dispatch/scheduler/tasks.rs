@@ -5,9 +5,12 @@ use common::wire::{CandidatePoint, Task, TaskKey, WorkerId};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Phase {
+pub(super) enum Phase {
+    /// Without a worker.
     Queued,
+    /// With a worker.
     Leased,
+    /// With an outcome.
     Delivered,
 }
 
@@ -122,16 +125,15 @@ impl TaskTable {
         let mut withheld = Vec::new();
         while tasks.len() < count {
             let Some(id) = self.queue.pop_front() else { break };
-            let Some(entry) = self.entries.get_mut(&id).filter(|e| e.phase == Phase::Queued) else {
-                continue;
-            };
+            let campaign = self.campaign;
+            let Some(entry) = self.in_phase(id, Phase::Queued) else { continue };
             if entry.losses >= losses || !open(&entry.request) {
                 withheld.push(id);
                 continue;
             }
             entry.phase = Phase::Leased;
             entry.attempts += 1;
-            tasks.push(entry.task(self.campaign));
+            tasks.push(entry.task(campaign));
         }
         for id in withheld.into_iter().rev() {
             self.queue.push_front(id);
@@ -142,34 +144,30 @@ impl TaskTable {
     /// A copy of a leased task for a second worker; `None` if it is not leased or has `losses` or more losses.
     pub fn copy(&mut self, id: u64, losses: u32) -> Option<Task> {
         let campaign = self.campaign;
-        let eligible = |entry: &&mut Entry| entry.phase == Phase::Leased && entry.losses < losses;
-        let entry = self.entries.get_mut(&id).filter(eligible)?;
+        let entry = self.in_phase(id, Phase::Leased).filter(|entry| entry.losses < losses)?;
         entry.attempts += 1;
         Some(entry.task(campaign))
     }
 
     /// Marks a queued task as leased: a worker holds it already.
     pub fn adopt(&mut self, id: u64) {
-        if let Some(entry) = self.entries.get_mut(&id).filter(|entry| entry.phase == Phase::Queued) {
+        if let Some(entry) = self.in_phase(id, Phase::Queued) {
             entry.phase = Phase::Leased;
             entry.attempts += 1;
         }
     }
 
-    /// Returns a leased task to the front of the queue; `None` if it is not leased.
-    pub fn requeue(&mut self, id: u64) -> Option<CandidatePoint> {
-        let entry = self.entries.get_mut(&id).filter(|entry| entry.phase == Phase::Leased)?;
+    /// Returns a task to the front of the queue; `None` if it is not in this phase.
+    pub fn requeue(&mut self, id: u64, from: Phase) -> Option<CandidatePoint> {
+        let entry = self.in_phase(id, from)?;
         entry.phase = Phase::Queued;
+        let point = entry.point();
         self.queue.push_front(id);
-        Some(entry.point())
+        Some(point)
     }
 
-    /// Returns a task with an outcome to the front of the queue, for another worker.
-    pub fn hold(&mut self, id: u64) -> Option<CandidatePoint> {
-        let entry = self.entries.get_mut(&id).filter(|entry| entry.phase == Phase::Delivered)?;
-        entry.phase = Phase::Queued;
-        self.queue.push_front(id);
-        Some(entry.point())
+    fn in_phase(&mut self, id: u64, phase: Phase) -> Option<&mut Entry> {
+        self.entries.get_mut(&id).filter(|entry| entry.phase == phase)
     }
 
     /// Marks a task whose outcome was held as delivered.
@@ -187,7 +185,7 @@ impl TaskTable {
 
     /// Counts a loss of a leased task; returns its losses, `None` if it is not leased.
     pub fn count_loss(&mut self, id: u64) -> Option<u32> {
-        let entry = self.entries.get_mut(&id).filter(|entry| entry.phase == Phase::Leased)?;
+        let entry = self.in_phase(id, Phase::Leased)?;
         entry.losses += 1;
         Some(entry.losses)
     }
@@ -222,13 +220,11 @@ impl TaskTable {
         if done.key.campaign != self.campaign {
             return OutcomeStatus::OtherCampaign;
         }
-        match self.status(done.key.task) {
-            TaskStatus::Ended => return OutcomeStatus::NotNeeded,
-            TaskStatus::NotRequested => return OutcomeStatus::NotRequested,
-            TaskStatus::Open | TaskStatus::Delivered => {}
-        }
-        let campaign = self.campaign;
-        let Some(entry) = self.entries.get_mut(&done.key.task) else { return OutcomeStatus::NotRequested };
+        let (campaign, status) = (self.campaign, self.status(done.key.task));
+        let Some(entry) = self.entries.get_mut(&done.key.task) else {
+            let ended = status == TaskStatus::Ended;
+            return if ended { OutcomeStatus::NotNeeded } else { OutcomeStatus::NotRequested };
+        };
         if !entry.task(campaign).same_work(done) {
             return OutcomeStatus::OtherSample;
         }

@@ -54,7 +54,7 @@ pub(super) fn scheduler(workers: &[&WorkerId], tasks: u64) -> Scheduler {
 /// The reply in the actions: acknowledged numbers and tasks.
 pub(super) fn reply(actions: &[Action]) -> Option<(Vec<u64>, Vec<Task>)> {
     actions.iter().find_map(|action| match action {
-        Action::Reply { acknowledged, assignment, .. } => {
+        Action::Reply(_, acknowledged, assignment) => {
             let tasks = if let Assignment::Work(tasks) = assignment { tasks.clone() } else { vec![] };
             Some((acknowledged.iter().map(|key| key.task).collect(), tasks))
         }
@@ -67,7 +67,7 @@ pub(super) fn numbers(tasks: &[Task]) -> Vec<u64> {
 }
 
 pub(super) fn ask(scheduler: &mut Scheduler, now: Duration, claim: Claim) -> Vec<Action> {
-    scheduler.on_event(now, Event::Claimed { token: claim.sequence, claim })
+    scheduler.on_event(now, Event::Claimed(claim.sequence, claim))
 }
 
 #[test]
@@ -77,7 +77,7 @@ fn an_outcome_is_acknowledged_only_when_it_is_durable() {
     let (_, tasks) = reply(&ask(&mut s, START, claim(&a, 1, 1, vec![], &[]))).unwrap();
     let actions = ask(&mut s, START, claim(&a, 2, 1, vec![outcome(&tasks[0], &a)], &[]));
     assert!(matches!(&actions[..], [Action::Deliver(finished)] if finished.id == 0), "{actions:?}");
-    let (acknowledged, tasks) = reply(&s.on_event(START, Event::Recorded { task: 0 })).unwrap();
+    let (acknowledged, tasks) = reply(&s.on_event(START, Event::Recorded(0))).unwrap();
     assert_eq!((acknowledged, numbers(&tasks)), (vec![0], vec![1]));
 }
 
@@ -90,7 +90,7 @@ fn a_doubled_outcome_is_acknowledged_and_not_counted() {
     // A second outcome waits while the first is being recorded; a third one after that is acknowledged.
     let second = ask(&mut s, START, claim(&b, 3, 0, vec![outcome(&tasks[0], &b)], &[]));
     assert_eq!(second, vec![]);
-    let replies = s.on_event(START, Event::Recorded { task: 0 });
+    let replies = s.on_event(START, Event::Recorded(0));
     assert_eq!(replies.len(), 2);
     let third = ask(&mut s, START, claim(&b, 4, 0, vec![outcome(&tasks[0], &b)], &[]));
     assert_eq!(reply(&third), Some((vec![0], vec![])));
@@ -104,7 +104,7 @@ fn tasks_of_a_lost_worker_return_to_the_front_and_are_announced() {
     let (_, tasks) = reply(&ask(&mut s, START, claim(&a, 1, 2, vec![], &[]))).unwrap();
     assert_eq!(numbers(&tasks), [0, 1]);
     let actions = s.on_event(START, Event::WorkerLost(a.clone()));
-    assert!(actions.contains(&Action::Warn(Warning::WorkerLost { worker: a, tasks: vec![0, 1] })));
+    assert!(actions.contains(&Action::Warn(Warning::WorkerLost(a, vec![0, 1]))));
     assert!(actions.iter().any(|c| matches!(c, Action::Announce(points) if points.len() == 2)));
     let (_, tasks) = reply(&ask(&mut s, START, claim(&b, 2, 3, vec![], &[]))).unwrap();
     assert_eq!(numbers(&tasks), [0, 1, 2]);
@@ -121,11 +121,11 @@ fn a_task_lost_three_times_is_given_up() {
         ask(&mut s, START, claim(&id, 1, 1, vec![], &[]));
         last = s.on_event(START, Event::WorkerLost(id));
     }
-    let given_up = last.iter().any(
-        |c| matches!(c, Action::GiveUp { task: 0, reason } if reason == "3 workers were lost while running it"),
-    );
+    let given_up = last
+        .iter()
+        .any(|c| matches!(c, Action::GiveUp(0, reason) if reason == "3 workers were lost while running it"));
     assert!(given_up, "{last:?}");
-    assert_eq!(s.open(), 0);
+    assert_eq!(s.tasks.open(), 0);
 }
 
 #[test]
@@ -151,7 +151,7 @@ fn a_lease_missing_from_the_claim_is_requeued() {
     // An outdated claim gets nothing, changes nothing and is logged.
     let actions = ask(&mut s, START, claim(&a, 1, 3, vec![], &[]));
     assert_eq!(reply(&actions), Some((vec![], vec![])));
-    assert!(actions.contains(&Action::Warn(Warning::OutdatedClaim { worker: a, count: 1 })));
+    assert!(actions.contains(&Action::Warn(Warning::OutdatedClaim(a, 1))));
 }
 
 #[test]
@@ -163,7 +163,7 @@ fn a_claim_superseded_by_a_newer_one_gets_no_tasks() {
     ask(&mut s, START, claim(&a, 2, 1, vec![outcome(&tasks[0], &a)], &[0]));
     let (_, tasks) = reply(&ask(&mut s, START, claim(&a, 3, 1, vec![], &[0]))).unwrap();
     assert_eq!(numbers(&tasks), [1]);
-    assert_eq!(reply(&s.on_event(START, Event::Recorded { task: 0 })), Some((vec![0], vec![])));
+    assert_eq!(reply(&s.on_event(START, Event::Recorded(0))), Some((vec![0], vec![])));
 }
 
 #[test]
@@ -195,24 +195,20 @@ fn an_outcome_of_another_campaign_or_sample_is_acknowledged_and_not_used() {
     assert_eq!(
         ask(&mut s, START, claim(&a, 2, 0, vec![foreign], &[0])),
         vec![
-            Action::Warn(Warning::OtherCampaign { worker: a.clone(), count: 1 }),
-            Action::Reply {
-                token: 2,
-                acknowledged: vec![TaskKey { campaign: 8, task: 0 }],
-                assignment: Assignment::Idle
-            }
+            Action::Warn(Warning::OtherCampaign(a.clone(), 1)),
+            Action::Reply(2, vec![TaskKey { campaign: 8, task: 0 }], Assignment::Idle)
         ]
     );
     let mut other = outcome(&tasks[0], &a);
     other.task.sample[1] = -0.5;
     let actions = ask(&mut s, START, claim(&a, 3, 0, vec![other], &[0]));
-    assert_eq!(actions[0], Action::Warn(Warning::OtherSample { worker: a.clone(), task: 0 }));
+    assert_eq!(actions[0], Action::Warn(Warning::OtherSample(a.clone(), 0)));
     assert_eq!(reply(&actions), Some((vec![0], vec![])));
     let mut otherwise = outcome(&tasks[0], &a);
     otherwise.task.accuracy = Some(common::accuracy::Accuracy::draft());
     let actions = ask(&mut s, START, claim(&a, 4, 0, vec![otherwise], &[0]));
-    assert_eq!(actions[0], Action::Warn(Warning::OtherSample { worker: a, task: 0 }));
-    assert_eq!(s.open(), 1);
+    assert_eq!(actions[0], Action::Warn(Warning::OtherSample(a, 0)));
+    assert_eq!(s.tasks.open(), 1);
 }
 
 #[test]
@@ -225,11 +221,11 @@ fn a_deadline_follows_the_longest_simulation() {
     // One simulation takes 60 s: the other task is overdue after 600 s.
     let slow = Outcome { wall: 60.0, ..outcome(&tasks[0], &a) };
     ask(&mut s, START, claim(&a, 2, 0, vec![slow], &[1]));
-    s.on_event(START, Event::Recorded { task: 0 });
+    s.on_event(START, Event::Recorded(0));
     let late = Duration::from_secs(601);
     assert_eq!(s.on_event(Duration::from_secs(600), Event::Tick), vec![]);
     let actions = s.on_event(late, Event::Tick);
-    assert_eq!(actions[0], Action::Warn(Warning::Overdue { worker: a.clone(), task: 1, after: late }));
+    assert_eq!(actions[0], Action::Warn(Warning::Overdue(a.clone(), 1, late)));
     let (_, again) = reply(&ask(&mut s, late, claim(&b, 3, 1, vec![], &[]))).unwrap();
     assert_eq!(numbers(&again), [1]);
     // An outcome of the first worker still counts if it arrives first.
@@ -243,12 +239,12 @@ fn missing_workers_and_liveliness_tokens_are_reported() {
     let second = Duration::from_secs(1);
     assert_eq!(s.on_event(second, Event::Tick), vec![]);
     let actions = s.on_event(6 * second, Event::Tick);
-    assert_eq!(actions, vec![Action::Warn(Warning::NoWorker { open: 4, since: 5 * second })]);
+    assert_eq!(actions, vec![Action::Warn(Warning::NoWorker(4, 5 * second))]);
     // The warning is repeated after a minute, with the total time, or at once if the number of tasks changes.
     let until = |s: &mut Scheduler, range: std::ops::RangeInclusive<u32>| -> Vec<(u32, Action)> {
         range.flat_map(|t| s.on_event(t * second, Event::Tick).into_iter().map(move |c| (t, c))).collect()
     };
-    let warning = |open, since| Action::Warn(Warning::NoWorker { open, since: since * second });
+    let warning = |open, since| Action::Warn(Warning::NoWorker(open, since * second));
     assert_eq!(until(&mut s, 7..=100), vec![(66, warning(4, 65))]);
     s.on_event(100 * second, Event::Submit(requests(4..6)));
     assert_eq!(until(&mut s, 101..=160), vec![(101, warning(6, 100))]);
@@ -256,9 +252,9 @@ fn missing_workers_and_liveliness_tokens_are_reported() {
     let a = worker("a");
     let warnings: Vec<Action> = (1..40)
         .flat_map(|sequence| ask(&mut s, second, claim(&a, sequence, 1, vec![], &[])))
-        .filter(|action| !matches!(action, Action::Reply { assignment: Assignment::Idle, .. }))
+        .filter(|action| !matches!(action, Action::Reply(.., Assignment::Idle)))
         .collect();
-    assert_eq!(warnings, vec![Action::Warn(Warning::NoLiveliness { worker: a })]);
+    assert_eq!(warnings, vec![Action::Warn(Warning::NoLiveliness(a))]);
 }
 
 #[test]
@@ -268,8 +264,8 @@ fn cancelled_tasks_stay_with_their_workers_and_all_leave_at_the_end() {
     let (_, tasks) = reply(&ask(&mut s, START, claim(&a, 1, 2, vec![], &[]))).unwrap();
     ask(&mut s, START, claim(&a, 2, 0, vec![outcome(&tasks[0], &a)], &[0, 1]));
     assert_eq!(reply(&s.on_event(START, Event::Cancel)), Some((vec![], vec![])));
-    assert_eq!(s.on_event(START, Event::Recorded { task: 0 }), vec![]);
+    assert_eq!(s.on_event(START, Event::Recorded(0)), vec![]);
     assert_eq!(s.on_event(START, Event::Finish), vec![Action::AnnounceEnd]);
     let actions = ask(&mut s, START, claim(&a, 3, 2, vec![], &[0, 1]));
-    assert!(matches!(&actions[..], [Action::Reply { assignment: Assignment::Leave, .. }]));
+    assert!(matches!(&actions[..], [Action::Reply(.., Assignment::Leave)]));
 }

@@ -41,23 +41,23 @@ impl WorkerWarnings {
         }
         let claims = self.without_token.entry(id.clone()).or_default();
         *claims = claims.saturating_add(1);
-        (*claims == CLAIMS_WITHOUT_TOKEN).then(|| Warning::NoLiveliness { worker: id.clone() })
+        (*claims == CLAIMS_WITHOUT_TOKEN).then(|| Warning::NoLiveliness(id.clone()))
     }
 
     /// Returns a warning at the first claim of a worker that does not offer the subject of the campaign.
     pub fn on_claim_without_subject(&mut self, id: &WorkerId, offers: Offers) -> Option<Warning> {
         let is_new = self.without_subject.len() < MOST_REMEMBERED && self.without_subject.insert(id.clone());
-        is_new.then(|| Warning::NotOffered { worker: id.clone(), offers })
+        is_new.then(|| Warning::NotOffered(id.clone(), offers))
     }
 
     /// Counts a claim that is not the newest of its worker; returns a warning at the first, second, fourth, ... one.
     pub fn on_outdated_claim(&mut self, id: &WorkerId) -> Option<Warning> {
-        self.outdated.count().map(|count| Warning::OutdatedClaim { worker: id.clone(), count })
+        self.outdated.count().map(|count| Warning::OutdatedClaim(id.clone(), count))
     }
 
     /// Counts an outcome of another campaign in the same way.
     pub fn on_other_campaign(&mut self, id: &WorkerId) -> Option<Warning> {
-        self.other_campaign.count().map(|count| Warning::OtherCampaign { worker: id.clone(), count })
+        self.other_campaign.count().map(|count| Warning::OtherCampaign(id.clone(), count))
     }
 
     /// Returns a warning if `open` tasks have waited without any worker for `settings.unattended`; `open` is 0 while a
@@ -83,6 +83,6 @@ impl WorkerWarnings {
             return None;
         }
         *warned = Some((now, open));
-        Some(Warning::NoWorker { open, since: now.saturating_sub(*since) })
+        Some(Warning::NoWorker(open, now.saturating_sub(*since)))
     }
 }

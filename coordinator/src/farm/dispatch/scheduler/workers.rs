@@ -1,6 +1,7 @@
 //! The connected workers: leases, measured speed, and share of the tasks.
 
 use common::wire::WorkerId;
+use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
@@ -26,7 +27,7 @@ pub(super) struct Worker {
     /// Highest sequence number of its claims.
     pub last_sequence: Option<u64>,
     /// Leased tasks with the time of their lease.
-    leases: BTreeMap<u64, Duration>,
+    pub leases: BTreeMap<u64, Duration>,
     /// Tasks whose lease was revoked after their deadline; the worker may still list them.
     overdue: BTreeSet<u64>,
     /// Running mean of the slot time of its evaluations [s].
@@ -34,14 +35,9 @@ pub(super) struct Worker {
 }
 
 impl Worker {
-    /// Number of leased tasks.
-    pub fn leased(&self) -> usize {
-        self.leases.len()
-    }
-
-    /// True if the task is leased to the worker.
-    pub fn holds(&self, task: u64) -> bool {
-        self.leases.contains_key(&task)
+    /// Number of tasks that may be running: leased ones, and those whose lease was revoked after their deadline.
+    pub fn under_way(&self) -> usize {
+        self.leases.len() + self.overdue.len()
     }
 
     /// True if the worker gets tasks.
@@ -94,9 +90,9 @@ impl Workforce {
         self.workers.values().any(Worker::is_eligible)
     }
 
-    /// Number of tasks that may be running: leased ones, and those whose lease was revoked after their deadline.
+    /// Number of tasks that may be running.
     pub fn under_way(&self) -> usize {
-        self.workers.values().map(|worker| worker.leases.len() + worker.overdue.len()).sum()
+        self.workers.values().map(Worker::under_way).sum()
     }
 
     pub fn revision(&self) -> u64 {
@@ -161,44 +157,54 @@ impl Workforce {
 
     /// Number of tasks of a worker that may be running.
     pub fn under_way_at(&self, id: &WorkerId) -> usize {
-        self.workers.get(id).map_or(0, |worker| worker.leases.len() + worker.overdue.len())
+        self.workers.get(id).map_or(0, Worker::under_way)
     }
 
     /// Leases a task to a worker.
     pub fn lease(&mut self, id: &WorkerId, task: u64, now: Duration) {
-        let Some(worker) = self.workers.get_mut(id) else { return };
-        if worker.leases.contains_key(&task) {
-            return;
-        }
-        worker.leases.insert(task, now);
-        self.holders.entry(task).or_default().push(id.clone());
-        self.sort_by_age(task);
+        self.relet(task, |all| {
+            let lease = all.workers.get_mut(id).map(|worker| worker.leases.entry(task));
+            if let Some(Entry::Vacant(lease)) = lease {
+                lease.insert(now);
+                all.holders.entry(task).or_default().push(id.clone());
+            }
+        });
     }
 
     /// Removes a worker's lease of a task; true if another worker still holds one.
     pub fn release(&mut self, id: &WorkerId, task: u64) -> bool {
-        self.forget_age(task);
-        if let Some(worker) = self.workers.get_mut(id) {
-            worker.leases.remove(&task);
-        }
-        let Some(holders) = self.holders.get_mut(&task) else { return false };
-        holders.retain(|holder| holder != id);
-        if holders.is_empty() {
-            self.holders.remove(&task);
-            return false;
-        }
-        self.sort_by_age(task);
-        true
+        self.relet(task, |all| {
+            if let Some(worker) = all.workers.get_mut(id) {
+                worker.leases.remove(&task);
+            }
+            if let Some(holders) = all.holders.get_mut(&task) {
+                holders.retain(|holder| holder != id);
+                if holders.is_empty() {
+                    all.holders.remove(&task);
+                }
+            }
+        });
+        self.is_held(task)
     }
 
     /// Removes all leases of a task that has ended.
     pub fn release_from_all(&mut self, task: u64) {
-        self.forget_age(task);
-        for holder in self.holders.remove(&task).unwrap_or_default() {
-            if let Some(worker) = self.workers.get_mut(&holder) {
-                worker.leases.remove(&task);
+        self.relet(task, |all| {
+            for holder in all.holders.remove(&task).unwrap_or_default() {
+                if let Some(worker) = all.workers.get_mut(&holder) {
+                    worker.leases.remove(&task);
+                }
             }
+        });
+    }
+
+    /// Changes the leases of a task, and its place among the tasks that are leased to exactly one worker.
+    fn relet(&mut self, task: u64, change: impl FnOnce(&mut Self)) {
+        if let Some(age) = self.age(task) {
+            self.alone.remove(&age);
         }
+        change(self);
+        self.alone.extend(self.age(task));
     }
 
     /// Removes all leases.
@@ -356,35 +362,9 @@ impl Workforce {
         }
     }
 
-    fn forget_age(&mut self, task: u64) {
-        if let Some((since, task)) = self.age(task) {
-            self.alone.remove(&(since, task));
-        }
-    }
-
-    fn sort_by_age(&mut self, task: u64) {
-        match self.age(task) {
-            Some(age) => {
-                self.alone.insert(age);
-            }
-            None => {
-                for since in self.since(task) {
-                    self.alone.remove(&(since, task));
-                }
-            }
-        }
-    }
-
     /// Time of the lease of a task with exactly one lease, and the task.
     fn age(&self, task: u64) -> Option<(Duration, u64)> {
-        match &self.since(task)[..] {
-            [since] => Some((*since, task)),
-            _ => None,
-        }
-    }
-
-    fn since(&self, task: u64) -> Vec<Duration> {
-        let holders = self.holders.get(&task).into_iter().flatten();
-        holders.filter_map(|id| self.workers.get(id)?.leases.get(&task).copied()).collect()
+        let [holder] = self.holders.get(&task)?.as_slice() else { return None };
+        Some((*self.workers.get(holder)?.leases.get(&task)?, task))
     }
 }

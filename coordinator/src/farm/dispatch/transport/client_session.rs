@@ -1,9 +1,13 @@
 //! A client session with a coordinator, for the commands `status` and `doctor`: queries the status and tries what a
-//! worker does.
+//! worker does; and a watch that asks the own coordinator as any new client would: a session that was open before may go on where the
+//! messaging library no longer serves new ones: no worker could join any more, and the loss of one would not be noticed.
 
+use super::super::DispatchError;
 use common::wire::{self, Claim, Message, Reply, Status, WireError, WorkerId, keys, reason};
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::thread;
+use std::time::{Duration, Instant};
 use thiserror::Error;
 use zenoh::liveliness::LivelinessToken;
 use zenoh::query::ConsolidationMode;
@@ -28,57 +32,27 @@ const OPENING: Duration = Duration::from_secs(3);
 /// Reasons for a query to a coordinator to fail.
 #[derive(Debug, Error)]
 pub enum ClientError {
-    /// The text is not an endpoint.
-    #[error("{endpoint}: {reason}; expected e.g. tcp/192.168.1.20:7447 or tls/host.example:7447")]
-    Endpoint {
-        /// Text of the endpoint.
-        endpoint: String,
-        /// What is wrong with it.
-        reason: String,
-    },
-    /// The Zenoh configuration cannot be used.
-    #[error("--config {}: {reason}", file.display())]
-    Configuration {
-        /// Path of the configuration file.
-        file: PathBuf,
-        /// Error of Zenoh.
-        reason: String,
-    },
-    /// No session could be opened.
-    #[error("no coordinator can be reached at {endpoint} ({reason})")]
-    Unreachable {
-        /// Endpoint of the coordinator.
-        endpoint: String,
-        /// Error of Zenoh.
-        reason: String,
-    },
-    /// A session is open, but the query gets no reply.
+    /// The text is not an endpoint, with what is wrong with it.
+    #[error("{0}: {1}; expected e.g. tcp/192.168.1.20:7447 or tls/host.example:7447")]
+    Endpoint(String, String),
+    /// The Zenoh configuration of this file cannot be used, with the error of Zenoh.
+    #[error("--config {file}: {1}", file = .0.display())]
+    Configuration(PathBuf, String),
+    /// No session could be opened with this endpoint, with the error of Zenoh.
+    #[error("no coordinator can be reached at {0} ({1})")]
+    Unreachable(String, String),
+    /// A session with this endpoint is open, but the query of this key gets no reply.
     #[error(
-        "connected to {endpoint}, but queries on {key} get no reply: no coordinator runs behind that address, or its \
+        "connected to {0}, but queries on {1} get no reply: no coordinator runs behind that address, or its \
          access_control does not permit the query"
     )]
-    Silent {
-        /// Endpoint of the coordinator.
-        endpoint: String,
-        /// Key of the query.
-        key: &'static str,
-    },
-    /// The coordinator replied with an error.
-    #[error("the coordinator at {endpoint} refuses the query: {reason}")]
-    Refused {
-        /// Endpoint of the coordinator.
-        endpoint: String,
-        /// Text of the error.
-        reason: String,
-    },
-    /// The reply cannot be decoded, e.g. because it comes from another version of the program.
-    #[error("the reply of {endpoint} cannot be decoded: {fault}")]
-    Answer {
-        /// Endpoint of the coordinator.
-        endpoint: String,
-        /// Error of the decoder.
-        fault: WireError,
-    },
+    Silent(String, &'static str),
+    /// The coordinator at this endpoint replied with an error of this text.
+    #[error("the coordinator at {0} refuses the query: {1}")]
+    Refused(String, String),
+    /// The reply of this endpoint cannot be decoded, e.g. because it comes from another version of the program.
+    #[error("the reply of {0} cannot be decoded: {1}")]
+    Answer(String, WireError),
     /// The claim cannot be encoded.
     #[error(transparent)]
     Wire(#[from] WireError),
@@ -90,7 +64,7 @@ pub enum ClientError {
 impl ClientError {
     /// True if the user's input causes the error (exit code 2).
     pub fn is_bad_input(&self) -> bool {
-        matches!(self, ClientError::Endpoint { .. } | ClientError::Configuration { .. })
+        matches!(self, ClientError::Endpoint(..) | ClientError::Configuration(..))
     }
 }
 
@@ -118,9 +92,9 @@ impl ClientSession {
     /// # Errors
     /// Those of [`open`](Self::open).
     pub fn open_within(endpoint: &str, config: Option<&Path>, time: Duration) -> Result<Self, ClientError> {
-        let session = zenoh::open(settings(endpoint, config, time)?).wait().map_err(|error| {
-            ClientError::Unreachable { endpoint: endpoint.to_owned(), reason: reason(error) }
-        })?;
+        let session = zenoh::open(settings(endpoint, config, time)?)
+            .wait()
+            .map_err(|error| ClientError::Unreachable(endpoint.to_owned(), reason(error)))?;
         Ok(Self { session, endpoint: endpoint.to_owned() })
     }
 
@@ -164,28 +138,28 @@ impl ClientSession {
             .map_err(|error| ClientError::Messaging(reason(error)))?;
         let endpoint = self.endpoint.clone();
         // The channel closes with the query, at the latest after its timeout.
-        let Ok(reply) = replies.recv() else { return Err(ClientError::Silent { endpoint, key }) };
+        let Ok(reply) = replies.recv() else { return Err(ClientError::Silent(endpoint, key)) };
         match reply.into_result() {
             Ok(sample) => wire::decode(&sample.payload().to_bytes())
-                .map_err(|fault| ClientError::Answer { endpoint, fault }),
+                .map_err(|fault| ClientError::Answer(endpoint, fault)),
             Err(error) => {
                 let text = String::from_utf8_lossy(&error.payload().to_bytes()).into_owned();
                 // Zenoh's text for a query without a reply.
                 if text == "Timeout" {
-                    return Err(ClientError::Silent { endpoint, key });
+                    return Err(ClientError::Silent(endpoint, key));
                 }
-                Err(ClientError::Refused { endpoint, reason: text })
+                Err(ClientError::Refused(endpoint, text))
             }
         }
     }
 }
 
 fn settings(endpoint: &str, config: Option<&Path>, opening: Duration) -> Result<Config, ClientError> {
-    let wrong = |reason: String| ClientError::Endpoint { endpoint: endpoint.to_owned(), reason };
+    let wrong = |reason: String| ClientError::Endpoint(endpoint.to_owned(), reason);
     let mut settings = match config {
         None => Config::default(),
         Some(file) => Config::from_file(file)
-            .map_err(|error| ClientError::Configuration { file: file.to_owned(), reason: reason(error) })?,
+            .map_err(|error| ClientError::Configuration(file.to_owned(), reason(error)))?,
     };
     let opening = opening.as_millis().to_string();
     for (key, value) in SETTINGS.into_iter().chain([("transport/unicast/open_timeout", opening.as_str())]) {
@@ -199,4 +173,96 @@ fn settings(endpoint: &str, config: Option<&Path>, opening: Duration) -> Result<
     let connect = format!("[\"{endpoint}\"]");
     settings.insert_json5("connect/endpoints", &connect).map_err(|error| wrong(reason(error)))?;
     Ok(settings)
+}
+
+/// How often and how long to ask.
+#[derive(Debug, Clone, Copy)]
+pub struct Watch {
+    /// Time between two questions.
+    pub every: Duration,
+    /// Longest wait for the answer.
+    pub patience: Duration,
+    /// Number of questions in a row without an answer after which the messaging has failed: a flood of messages passes, a standstill does not.
+    pub silences: u32,
+}
+
+impl Default for Watch {
+    fn default() -> Self {
+        Self { every: Duration::from_secs(20), patience: Duration::from_secs(20), silences: 3 }
+    }
+}
+
+/// The coordinator is watched until this is dropped.
+#[derive(Debug)]
+pub struct Watched {
+    _until_dropped: Sender<()>,
+}
+
+/// Asks the coordinator at `endpoint` in a thread, with the Zenoh settings of its own workers, and calls `failed` at most once: when it is
+/// silent, also from its start on: the first clients may be the ones that stop the messaging.
+///
+/// # Errors
+/// [`DispatchError::Thread`].
+pub fn watch(
+    endpoint: String,
+    config: Option<PathBuf>,
+    watch: Watch,
+    failed: impl FnOnce() + Send + 'static,
+) -> Result<Watched, DispatchError> {
+    let (_until_dropped, dropped) = channel();
+    let run = move || {
+        let mut silences = 0;
+        loop {
+            match answers(&endpoint, config.as_deref(), watch.patience) {
+                Some(true) => silences = 0,
+                Some(false) => silences += 1,
+                None => {}
+            }
+            if silences >= watch.silences {
+                return failed();
+            }
+            if dropped.recv_timeout(watch.every) != Err(RecvTimeoutError::Timeout) {
+                return;
+            }
+        }
+    };
+    let started = thread::Builder::new().name("coordinator-watch".into()).spawn(run);
+    started.map(|_| Watched { _until_dropped }).map_err(DispatchError::Thread)
+}
+
+/// Whether the coordinator answers a new client within this time. `None` where it refuses the session: it may have all that it accepts,
+/// but a listener that waits for ever for a lock refuses nothing.
+fn answers(endpoint: &str, config: Option<&Path>, patience: Duration) -> Option<bool> {
+    let begun = Instant::now();
+    let session = ClientSession::open_within(endpoint, config, patience);
+    let error = match session.and_then(|session| session.status(patience)) {
+        Ok(_) => return Some(true),
+        Err(error) => error,
+    };
+    tracing::debug!("the coordinator's own question: {error}");
+    let is_silent = match error {
+        ClientError::Silent(..) => true,
+        ClientError::Unreachable(..) => begun.elapsed() >= patience.mul_f64(0.9),
+        _ => false,
+    };
+    is_silent.then_some(false)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::answers;
+    use std::net::TcpListener;
+    use std::time::Duration;
+
+    #[test]
+    fn issue_a_listener_that_no_longer_reads_was_not_noticed() {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let endpoint = format!("tcp/{}", listener.local_addr().unwrap());
+        // The system completes the connection, and nothing reads from it.
+        assert_eq!(answers(&endpoint, None, Duration::from_millis(200)), Some(false));
+        let closing = std::thread::spawn(move || drop((listener.accept(), listener.accept())));
+        assert_eq!(answers(&endpoint, None, Duration::from_secs(20)), None);
+        closing.join().unwrap();
+        assert_eq!(answers(&endpoint, None, Duration::from_secs(20)), None, "nothing listens");
+    }
 }

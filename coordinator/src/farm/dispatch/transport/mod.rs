@@ -4,14 +4,10 @@
 //! which may wait for a slow connection, are sent by a separate thread.
 
 mod client_session;
-mod file_limit;
-mod permissions;
 mod settings;
-mod watchdog;
 
-pub use client_session::{ClientError, ClientSession, LivelinessGuard};
+pub use client_session::{ClientError, ClientSession, LivelinessGuard, Watch, Watched, watch};
 pub use settings::Listen;
-pub use watchdog::{Watch, Watched, watch};
 
 use super::DispatchError;
 use common::wire::{WorkerId, is_worker_name, keys, reason};
@@ -50,8 +46,8 @@ impl Incoming {
     }
 }
 
-/// A query that waits for its reply. If it is dropped without one, Zenoh notifies the sender at once.
-pub(super) struct IncomingQuery(Query);
+/// A query on a key that waits for its reply. If it is dropped without one, Zenoh notifies the sender at once.
+pub(super) struct IncomingQuery(Query, &'static str);
 
 impl IncomingQuery {
     /// Frame of the query.
@@ -72,20 +68,22 @@ impl IncomingQuery {
 }
 
 /// A message to be sent.
-enum Outgoing {
+pub(super) enum Outgoing {
+    /// The answer to a query.
     Answer(IncomingQuery, Vec<u8>),
+    /// An error as the reply to a query that cannot be answered.
     Refusal(IncomingQuery, String),
-    Status(IncomingQuery, Vec<u8>),
+    /// A notice to all workers.
     Notice(Vec<u8>),
 }
 
 /// The session with its declarations; they end when it is dropped.
 pub(super) struct Transport {
     session: Session,
-    endpoints: Vec<String>,
+    /// Endpoints to which workers can connect, with the port assigned where port 0 was requested.
+    pub endpoints: Vec<String>,
     outgoing: Sender<Outgoing>,
-    _claims: Queryable<()>,
-    _status_queries: Queryable<()>,
+    _queries: [Queryable<()>; 2],
     _liveliness: Subscriber<()>,
     _token: LivelinessToken,
 }
@@ -100,19 +98,18 @@ impl Transport {
         on_incoming: impl Fn(Incoming) + Send + Sync + 'static,
     ) -> Result<Self, DispatchError> {
         let on_incoming = Arc::new(on_incoming);
-        let (on_claim, on_status_query) = (Arc::clone(&on_incoming), Arc::clone(&on_incoming));
         let settings = settings::transport_settings(listen)?;
-        let session = zenoh::open(settings.config).wait().map_err(|error| DispatchError::Endpoint {
-            endpoint: settings.endpoints.join(", "),
-            reason: reason(error),
-        })?;
+        let session = zenoh::open(settings.config)
+            .wait()
+            .map_err(|error| DispatchError::Endpoint(settings.endpoints.join(", "), reason(error)))?;
+        let changed = Arc::clone(&on_incoming);
         let liveliness = session
             .liveliness()
             .declare_subscriber(keys::ALIVE_ALL)
             .history(true)
             .callback(move |sample| {
                 if let Some(worker) = keys::worker_of(sample.key_expr().as_str()) {
-                    on_incoming(match sample.kind() {
+                    changed(match sample.kind() {
                         SampleKind::Put => Incoming::WorkerJoined(worker),
                         SampleKind::Delete => Incoming::WorkerLost(worker),
                     });
@@ -120,18 +117,12 @@ impl Transport {
             })
             .wait()
             .map_err(messaging)?;
-        let claims = session
-            .declare_queryable(keys::CLAIM)
-            .complete(true)
-            .callback(move |query| on_claim(Incoming::Claim(IncomingQuery(query))))
-            .wait()
-            .map_err(messaging)?;
-        let status_queries = session
-            .declare_queryable(keys::STATUS)
-            .complete(true)
-            .callback(move |query| on_status_query(Incoming::StatusQuery(IncomingQuery(query))))
-            .wait()
-            .map_err(messaging)?;
+        let queries = |key: &'static str, incoming: fn(IncomingQuery) -> Incoming| {
+            let on_incoming = Arc::clone(&on_incoming);
+            let pass_on = move |query| on_incoming(incoming(IncomingQuery(query, key)));
+            session.declare_queryable(key).complete(true).callback(pass_on).wait().map_err(messaging)
+        };
+        let queries = [queries(keys::CLAIM, Incoming::Claim)?, queries(keys::STATUS, Incoming::StatusQuery)?];
         // For tools that list liveliness tokens.
         let token = session.liveliness().declare_token(keys::COORDINATOR).wait().map_err(messaging)?;
         let endpoints: Vec<String> =
@@ -142,43 +133,11 @@ impl Transport {
             .name("coordinator-send".into())
             .spawn(move || send(&sender, &to_send))
             .map_err(DispatchError::Thread)?;
-        Ok(Self {
-            session,
-            endpoints,
-            outgoing,
-            _claims: claims,
-            _status_queries: status_queries,
-            _liveliness: liveliness,
-            _token: token,
-        })
+        Ok(Self { session, endpoints, outgoing, _queries: queries, _liveliness: liveliness, _token: token })
     }
 
-    /// Endpoints to which workers can connect, with the port assigned where port 0 was requested.
-    pub fn endpoints(&self) -> &[String] {
-        &self.endpoints
-    }
-
-    /// Answers a claim.
-    pub fn answer(&self, query: IncomingQuery, frame: Vec<u8>) {
-        self.post(Outgoing::Answer(query, frame));
-    }
-
-    /// Replies with an error to a query that cannot be decoded.
-    pub fn refuse(&self, query: IncomingQuery, reason: String) {
-        self.post(Outgoing::Refusal(query, reason));
-    }
-
-    /// Answers a query for the status.
-    pub fn answer_status(&self, query: IncomingQuery, frame: Vec<u8>) {
-        self.post(Outgoing::Status(query, frame));
-    }
-
-    /// Publishes a notice to all workers.
-    pub fn publish(&self, frame: Vec<u8>) {
-        self.post(Outgoing::Notice(frame));
-    }
-
-    fn post(&self, message: Outgoing) {
+    /// Sends a message.
+    pub fn post(&self, message: Outgoing) {
         // The sending thread runs until this value is dropped.
         let _ = self.outgoing.send(message);
     }
@@ -201,9 +160,8 @@ impl Transport {
 fn send(session: &Session, outgoing: &Receiver<Outgoing>) {
     while let Ok(message) = outgoing.recv() {
         let sent = match message {
-            Outgoing::Answer(IncomingQuery(query), frame) => query.reply(keys::CLAIM, frame).wait(),
-            Outgoing::Refusal(IncomingQuery(query), reason) => query.reply_err(reason).wait(),
-            Outgoing::Status(IncomingQuery(query), frame) => query.reply(keys::STATUS, frame).wait(),
+            Outgoing::Answer(IncomingQuery(query, key), frame) => query.reply(key, frame).wait(),
+            Outgoing::Refusal(IncomingQuery(query, _), reason) => query.reply_err(reason).wait(),
             // Only a hint: workers claim again after a pause, so a congested connection may drop it.
             Outgoing::Notice(frame) => session.put(keys::NOTICE, frame).wait(),
         };

@@ -1,10 +1,11 @@
 //! Endpoint and Zenoh configuration of the coordinator: loopback by default; other addresses require authenticated
-//! clients or `--insecure`.
+//! clients or `--insecure`. A client may send the messages of the protocol, each in its direction, and nothing else: it cannot publish
+//! notices, answer claims or follow the workers in the coordinator's place, whatever its certificate.
 
 use super::super::DispatchError;
-use super::file_limit::bounded_by_open_files;
-use super::permissions::permissions;
-use common::wire::{MAX_MESSAGE, MAX_SESSIONS, reason};
+use common::wire::{MAX_MESSAGE, MAX_SESSIONS, keys, reason};
+use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
+use serde_json::{Value, json};
 use std::net::IpAddr;
 use std::path::PathBuf;
 use zenoh::Config;
@@ -61,7 +62,7 @@ pub(super) fn transport_settings(listen: &Listen) -> Result<TransportSettings, D
     let mut config = match &listen.config {
         None => Config::default(),
         Some(file) => Config::from_file(file)
-            .map_err(|error| DispatchError::Configuration { file: file.clone(), reason: reason(error) })?,
+            .map_err(|error| DispatchError::Configuration(file.clone(), reason(error)))?,
     };
     let endpoints = match &listen.endpoint {
         Some(endpoint) => vec![endpoint.clone()],
@@ -69,7 +70,7 @@ pub(super) fn transport_settings(listen: &Listen) -> Result<TransportSettings, D
     };
     for endpoint in &endpoints {
         if !listen.insecure && !is_loopback(endpoint)? && !authenticates_clients(&config, endpoint) {
-            return Err(DispatchError::Insecure { endpoint: endpoint.clone() });
+            return Err(DispatchError::Insecure(endpoint.clone()));
         }
     }
     if config.get_json("access_control/enabled").is_ok_and(|enabled| enabled == "false") {
@@ -78,7 +79,7 @@ pub(super) fn transport_settings(listen: &Listen) -> Result<TransportSettings, D
     let json = serde_json::Value::from(endpoints.clone()).to_string();
     config
         .insert_json5("listen/endpoints", &json)
-        .map_err(|error| DispatchError::Endpoint { endpoint: endpoints.join(", "), reason: reason(error) })?;
+        .map_err(|error| DispatchError::Endpoint(endpoints.join(", "), reason(error)))?;
     for (key, value) in ZENOH_SETTINGS {
         config.insert_json5(key, value).map_err(messaging)?;
     }
@@ -107,7 +108,7 @@ fn endpoints_of(config: &Config) -> Option<Vec<String>> {
 }
 
 fn is_loopback(endpoint: &str) -> Result<bool, DispatchError> {
-    let wrong = |reason: &str| DispatchError::Endpoint { endpoint: endpoint.into(), reason: reason.into() };
+    let wrong = |reason: &str| DispatchError::Endpoint(endpoint.into(), reason.into());
     let (_, address) = endpoint.split_once('/').ok_or_else(|| wrong("not an endpoint"))?;
     let address = address.split(['?', '#']).next().unwrap_or(address);
     let (host, _) = address.rsplit_once(':').ok_or_else(|| wrong("no port"))?;
@@ -122,6 +123,68 @@ fn authenticates_clients(config: &Config, endpoint: &str) -> bool {
     let users = set("transport/auth/usrpwd/dictionary_file");
     let certificates = config.get_json("transport/link/tls/enable_mtls").is_ok_and(|value| value == "true");
     endpoint.starts_with("tls/") && (users || certificates)
+}
+
+/// Files that are not sessions: campaign file, log and pages, and what Zenoh and the system need.
+const OTHER_FILES: u64 = 200;
+
+/// The number of sessions for which files can be opened, at most `sessions`: raises the soft limit of this process up to
+/// the hard one if it is too low, and logs a warning if that is not enough.
+pub(super) fn bounded_by_open_files(sessions: u32) -> u32 {
+    let wanted = u64::from(sessions) + OTHER_FILES;
+    let Rlimit { current, maximum } = getrlimit(Resource::Nofile);
+    // `None`: no limit.
+    if current.is_none_or(|current| current >= wanted) {
+        return sessions;
+    }
+    let raised = maximum.map_or(wanted, |maximum| maximum.min(wanted));
+    let limit = match setrlimit(Resource::Nofile, Rlimit { current: Some(raised), maximum }) {
+        Ok(()) => raised,
+        Err(_) => current.unwrap_or(wanted),
+    };
+    let possible = sessions_within(limit).min(sessions);
+    if possible < sessions {
+        tracing::warn!(
+            "at most {possible} workers can connect instead of {sessions}: this process may open {limit} files (ulimit -n)"
+        );
+    }
+    possible
+}
+
+/// Sessions within a limit of open files; at least one.
+fn sessions_within(limit: u64) -> u32 {
+    u32::try_from(limit.saturating_sub(OTHER_FILES)).unwrap_or(u32::MAX).max(1)
+}
+
+/// Zenoh's `access_control` for all clients, unless the configuration file has its own.
+pub(super) fn permissions() -> Value {
+    let rule = |id: &str, flow: &str, messages: &[&str], keys: &[&str]| json!({ "id": id, "permission": "allow", "flows": [flow], "messages": messages, "key_exprs": keys });
+    let queries = [keys::CLAIM, keys::STATUS];
+    let rules = [
+        rule("claims", "ingress", &["query"], &queries),
+        rule("life", "ingress", &["liveliness_token"], &[keys::ALIVE_ALL]),
+        rule("hearing", "ingress", &["declare_subscriber"], &[keys::NOTICE]),
+        rule("answers", "egress", &["reply", "declare_queryable"], &queries),
+        rule("notices", "egress", &["put"], &[keys::NOTICE]),
+        // Routers pass on the tokens of the workers behind them.
+        rule("routers", "egress", &["liveliness_query", "declare_liveliness_subscriber"], &[keys::ALIVE_ALL]),
+        // Tools that look for coordinators.
+        rule(
+            "looking",
+            "ingress",
+            &["liveliness_query", "declare_liveliness_subscriber"],
+            &[keys::COORDINATOR],
+        ),
+        rule("being", "egress", &["liveliness_token"], &[keys::COORDINATOR]),
+    ];
+    let ids: Vec<&Value> = rules.iter().map(|rule| &rule["id"]).collect();
+    json!({
+        "enabled": true,
+        "default_permission": "deny",
+        "rules": rules,
+        "subjects": [{ "id": "all" }],
+        "policies": [{ "subjects": ["all"], "rules": ids }],
+    })
 }
 
 #[cfg(test)]
@@ -182,7 +245,7 @@ mod tests {
         }
         for endpoint in ["tcp/0.0.0.0:7447", "tcp/[::]:0", "tcp/192.168.1.20:7447#iface=lo", "tcp/host:1"] {
             let error = listen(endpoint, false).unwrap_err();
-            assert!(matches!(&error, DispatchError::Insecure { endpoint: named } if named == endpoint));
+            assert!(matches!(&error, DispatchError::Insecure(named) if named == endpoint));
             assert!(error.to_string().contains("--insecure"));
             assert!(listen(endpoint, true).is_ok(), "{endpoint}");
         }
@@ -193,10 +256,10 @@ mod tests {
         let users = r#"{ transport: { auth: { usrpwd: { dictionary_file: "users.txt" } } } }"#;
         assert!(with_config(users, Some("tls/0.0.0.0:7447")).is_ok());
         // Without encryption, an eavesdropper could take over the session of an authenticated user.
-        assert!(matches!(with_config(users, Some("tcp/0.0.0.0:7447")), Err(DispatchError::Insecure { .. })));
+        assert!(matches!(with_config(users, Some("tcp/0.0.0.0:7447")), Err(DispatchError::Insecure(..))));
         let mtls = r#"{ transport: { link: { tls: { enable_mtls: true } } } }"#;
         assert!(with_config(mtls, Some("tls/0.0.0.0:7447")).is_ok());
-        assert!(matches!(with_config(mtls, Some("tcp/0.0.0.0:7447")), Err(DispatchError::Insecure { .. })));
+        assert!(matches!(with_config(mtls, Some("tcp/0.0.0.0:7447")), Err(DispatchError::Insecure(..))));
     }
 
     #[test]
@@ -207,14 +270,31 @@ mod tests {
         assert_eq!(settings.config.get_json("mode").unwrap(), r#""peer""#);
         assert_eq!(with_config(file, Some("tcp/127.0.0.1:0")).unwrap().endpoints, ["tcp/127.0.0.1:0"]);
         let open = r#"{ listen: { endpoints: ["tcp/0.0.0.0:4000"] } }"#;
-        assert!(matches!(with_config(open, None), Err(DispatchError::Insecure { .. })));
+        assert!(matches!(with_config(open, None), Err(DispatchError::Insecure(..))));
     }
 
     #[test]
     fn invalid_endpoints_and_configurations_are_refused() {
         for endpoint in ["127.0.0.1:0", "tcp/nowhere"] {
-            assert!(matches!(listen(endpoint, false), Err(DispatchError::Endpoint { .. })), "{endpoint}");
+            assert!(matches!(listen(endpoint, false), Err(DispatchError::Endpoint(..))), "{endpoint}");
         }
-        assert!(matches!(with_config("{ nonsense", None), Err(DispatchError::Configuration { .. })));
+        assert!(matches!(with_config("{ nonsense", None), Err(DispatchError::Configuration(..))));
+    }
+
+    #[test]
+    fn the_soft_limit_is_raised_as_far_as_needed() {
+        let before = getrlimit(Resource::Nofile);
+        let possible = bounded_by_open_files(700);
+        let after = getrlimit(Resource::Nofile);
+        assert_eq!(after.maximum, before.maximum);
+        assert!(after.current.is_none_or(|current| current >= u64::from(possible) + OTHER_FILES));
+        assert_eq!(bounded_by_open_files(1), 1);
+    }
+
+    #[test]
+    fn a_low_limit_leaves_files_for_the_rest() {
+        assert_eq!(sessions_within(1024), 824);
+        assert_eq!(sessions_within(10), 1);
+        assert_eq!(sessions_within(u64::MAX), u32::MAX);
     }
 }

@@ -1,14 +1,15 @@
 //! The first frame of the animation: bodies in true proportions, and below them the joints with clearance, magnified.
 
 use crate::presentation::report::drawing::labels::LabelArea;
-use crate::presentation::report::drawing::symbols::{block, coordinate, ground, link, rail, rail_ends};
+use crate::presentation::report::drawing::symbols::{
+    block, coordinate, ground, link, pair, path_along, placed, rail, rail_ends,
+};
 use crate::presentation::report::mechanism::{self, Pose, eccentricity, of_body, place};
 use crate::presentation::report::{Drawing, Ink};
 use common::outputs::CycleHistory;
 use common::scene::{GuideClearance, Joint, JointKind, Motion, Scene};
 use maud::{Markup, html};
 use std::f64::consts::TAU;
-use std::fmt::Write;
 
 /// Width of the drawing [drawing units].
 const WIDTH: f64 = 480.0;
@@ -63,12 +64,10 @@ impl Layout {
         let (wide, tall) = (high[0] - low[0], high[1] - low[1]);
         let room = (WIDTH - 2.0 * MARGIN, HEIGHT - 2.0 * MARGIN);
         let scale = (room.0 / wide).min(room.1 / tall);
-        let reach = |(index, joint): (usize, &Joint)| match &joint.kind {
-            JointKind::Clearance(clearance) => {
-                let deepest = wear.get(index).map_or(0.0, |depth| depth.iter().copied().fold(0.0, f64::max));
-                clearance.radial_clearance() + deepest
-            }
-            _ => 0.0,
+        let reach = |(index, joint): (usize, &Joint)| {
+            let JointKind::Clearance(clearance) = &joint.kind else { return 0.0 };
+            let depths = wear.get(index).copied().unwrap_or_default();
+            clearance.radial_clearance() + depths.iter().copied().fold(0.0, f64::max)
         };
         let largest = scene.joints.iter().enumerate().map(reach).fold(0.0, f64::max);
         let layout = Self {
@@ -96,12 +95,6 @@ impl Layout {
     pub fn magnify(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [x * self.magnified, -y * self.magnified]
     }
-}
-
-/// `transform` attribute of a body in a pose.
-fn transform(layout: &Layout, (at, angle): Pose) -> String {
-    let [x, y] = layout.place(at);
-    format!("translate({} {}) rotate({})", coordinate(x), coordinate(y), coordinate(-angle.to_degrees()))
 }
 
 /// The drawing at the first instant of a cycle; `wear`: depth per joint at equal angles `(joints)(control_points,)` [m].
@@ -139,7 +132,7 @@ fn bodies(scene: &Scene, layout: &Layout, shown: &AnimatedCycle<'_>) -> Markup {
                     (rail(rail_ends(ends.map(|end| layout.place(end))), true, Ink::Muted))
                 }
             } @else {
-                g data-body=(index) transform=(transform(layout, *pose)) {
+                g data-body=(index) transform=(placed(layout.place(pose.0), -pose.1.to_degrees())) {
                     (link(&mechanism::outline(scene, index).into_iter().map(local).collect::<Vec<_>>(), Ink::Series(index)))
                     @for ends in rails(scene, index, &shown.poses) {
                         (rail(rail_ends(ends.map(local)), false, Ink::Series(index)))
@@ -169,8 +162,8 @@ fn joint_marks(scene: &Scene, layout: &Layout, shown: &AnimatedCycle<'_>) -> Mar
     let offsets = name_offsets(&names);
     let (paper, ink) = (Ink::Paper.hex(), Ink::Ink.hex());
     html! {
-        @for (index, ((name, [x, y]), [right, down])) in names.iter().zip(offsets).enumerate() {
-            g data-joint=(index) transform=(format!("translate({} {})", coordinate(*x), coordinate(*y))) {
+        @for (index, ((name, at), [right, down])) in names.iter().zip(offsets).enumerate() {
+            g data-joint=(index) transform=(format!("translate({})", pair(*at))) {
                 circle r="4.5" fill=(paper) stroke=(ink) stroke-width="2" {}
                 text x=(coordinate(right)) y=(coordinate(down)) fill=(ink) stroke=(paper) stroke-width="3" paint-order="stroke" {
                     (name)
@@ -184,25 +177,24 @@ fn joint_marks(scene: &Scene, layout: &Layout, shown: &AnimatedCycle<'_>) -> Mar
 /// covers no name before it.
 fn name_offsets(names: &[(&str, [f64; 2])]) -> Vec<[f64; 2]> {
     let mut taken: Vec<LabelArea> = Vec::new();
-    let mut offsets = Vec::new();
-    for (name, [x, y]) in names {
+    let place = |(name, [x, y]): &(&str, [f64; 2])| {
         let width = LETTER * name.chars().count() as f64;
         let sides = [8.0, -8.0 - width, -0.5 * width];
         let rows = (0..8).flat_map(|k| [-8.0 - 18.0 * f64::from(k), 20.0 + 18.0 * f64::from(k)]);
-        let candidates: Vec<[f64; 2]> = rows.flat_map(|down| sides.map(|right| [right, down])).collect();
         let area = |[right, down]: [f64; 2]| LabelArea {
             from: [x + right - 1.0, y + down - 14.0],
             to: [x + right + width + 1.0, y + down + 4.0],
         };
-        let is_free = |offset: &&[f64; 2]| {
-            let own = area(**offset);
+        let is_free = |offset: &[f64; 2]| {
+            let own = area(*offset);
             own.from[0] >= 0.0 && own.to[0] <= WIDTH && !taken.iter().any(|other| other.overlaps(&own))
         };
-        let offset = candidates.iter().find(is_free).copied().unwrap_or([8.0, -8.0]);
+        let mut candidates = rows.flat_map(|down| sides.map(|right| [right, down]));
+        let offset = candidates.find(is_free).unwrap_or([8.0, -8.0]);
         taken.push(area(offset));
-        offsets.push(offset);
-    }
-    offsets
+        offset
+    };
+    names.iter().map(place).collect()
 }
 
 /// Joints with clearance, by the scene's numbering.
@@ -225,17 +217,11 @@ fn magnified(
     let journal = BORE - clearance.radial_clearance() * layout.magnified;
     let poses = &shown.poses[0];
     let (bushing, pin) = (poses[joint.bushing.body].1, poses[joint.journal.body].1);
-    let [ex, ey] = layout.magnify(eccentricity(poses, joint));
     let (paper, muted, ink, wear) =
         (Ink::Paper.hex(), Ink::Muted.hex(), Ink::Ink.hex(), Ink::Series(0).hex());
-    let cell = format!("translate({} {})", coordinate(x), coordinate(y - 6.0));
+    let cell = format!("translate({})", pair([x, y - 6.0]));
     let turned_bore = format!("rotate({})", coordinate(-bushing.to_degrees()));
-    let moved_journal = format!(
-        "translate({} {}) rotate({})",
-        coordinate(ex),
-        coordinate(ey),
-        coordinate((bushing - pin).to_degrees())
-    );
+    let moved_journal = placed(layout.magnify(eccentricity(poses, joint)), (bushing - pin).to_degrees());
     html! {
         g transform=(cell) {
             g data-bore=(index) transform=(turned_bore) {
@@ -255,20 +241,15 @@ fn magnified(
 /// Outline of a worn bore, from depths at equal angles, straight between a few points each.
 fn bore(depth: &[f64], magnified: f64) -> String {
     let n = depth.len();
-    let (mut path, steps) = (String::new(), 4 * n);
-    for step in 0..steps {
+    let steps = 4 * n;
+    let corner = |step: usize| {
         let (k, share) = (step / 4, (step % 4) as f64 / 4.0);
         let between = depth[k] * (1.0 - share) + depth[(k + 1) % n] * share;
         let radius = BORE + if between.is_finite() { between * magnified } else { 0.0 };
         let (sin, cos) = (TAU * step as f64 / steps as f64).sin_cos();
-        let _ = write!(
-            path,
-            "{}{} {}",
-            if step == 0 { 'M' } else { 'L' },
-            coordinate(radius * cos),
-            coordinate(-radius * sin)
-        );
-    }
+        [radius * cos, -radius * sin]
+    };
+    let path = path_along(&(0..steps).map(corner).collect::<Vec<_>>());
     if path.is_empty() { path } else { path + "Z" }
 }
 

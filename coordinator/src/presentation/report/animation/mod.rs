@@ -30,9 +30,8 @@ pub struct Animation {
 pub fn animation(input: &ReportInput) -> Option<Animation> {
     let nominal = input.nominal.as_ref()?;
     let scene = &input.scene;
-    let last = nominal.worn.as_ref().and_then(|worn| worn.last_cycle.as_ref());
-    let cycles =
-        [("last cycle, worn", true, last), ("first cycle, unworn", false, nominal.first_cycle.as_ref())];
+    let [last, first] = [input.last_cycle(), input.first_cycle()];
+    let cycles = [("last cycle, worn", true, last), ("first cycle, unworn", false, first)];
     let shown: Vec<AnimatedCycle<'_>> = cycles
         .into_iter()
         .filter_map(|(name, worn, cycle)| {
@@ -51,28 +50,19 @@ pub fn animation(input: &ReportInput) -> Option<Animation> {
          clearance and wear magnified {} times. {}",
         count(layout.magnification().round() as u64),
         if first.worn {
-            format!(
-                "Bores worn for {} cycles; thin circle: unworn bore.",
-                count(nominal.cycles.last().copied().unwrap_or(0).into())
-            )
+            let end = nominal.cycles.last().copied().unwrap_or(0);
+            format!("Bores worn for {} cycles; thin circle: unworn bore.", count(end.into()))
         } else {
             "Bores unworn.".to_string()
         }
     );
     let rows = shown.iter().flat_map(|shown| {
         shown.cycle.motion.iter().flat_map(move |motion| {
-            shown.cycle.time.iter().zip(motion.position.iter().zip(&motion.angle)).map(
-                move |(time, (position, angle))| {
-                    vec![
-                        shown.name.to_string(),
-                        motion.body.clone(),
-                        number(1e3 * time),
-                        number(1e3 * position[0]),
-                        number(1e3 * position[1]),
-                        number(angle.to_degrees()),
-                    ]
-                },
-            )
+            let poses = shown.cycle.time.iter().zip(motion.position.iter().zip(&motion.angle));
+            poses.map(move |(time, ([x, y], angle))| {
+                let numbers = [1e3 * time, 1e3 * x, 1e3 * y, angle.to_degrees()].map(number);
+                [shown.name.to_string(), motion.body.clone()].into_iter().chain(numbers)
+            })
         })
     });
     let figure = Figure {
@@ -82,7 +72,7 @@ pub fn animation(input: &ReportInput) -> Option<Animation> {
         drawing: drawing::picture(scene, &layout, first, &wear),
         csv: csv(&["cycle", "body", "time [ms]", "x [mm]", "y [mm]", "angle [deg]"], rows),
     };
-    let lives = nominal.worn.as_ref().filter(|worn| worn.cycles.len() > 1);
+    let lives = input.worn().filter(|worn| worn.cycles.len() > 1);
     Some(Animation { figure, data: json(scene, &layout, &shown, lives).to_string() })
 }
 

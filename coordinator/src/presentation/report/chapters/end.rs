@@ -1,9 +1,12 @@
-//! The end of the page: computing effort, failed simulations, and what is needed to repeat the study.
+//! The end of the page: what identifies the study and the chapter by which it is signed; in the appendix computing effort, failed
+//! simulations, and what is needed to repeat the study.
 
 use crate::presentation::report::format::{UNKNOWN, count, percent};
-use crate::presentation::report::page::{details, numbered};
-use crate::presentation::report::{Page, ReportInput, captioned, tables};
-use maud::{Markup, html};
+use crate::presentation::report::page::{details, mark, refer_table};
+use crate::presentation::report::{
+    Page, ReportInput, captioned, drawing, table, table_of_text, tables, words,
+};
+use maud::{Markup, Render, html};
 
 /// Failed evaluations listed one by one.
 const FAILURES_LISTED: usize = 50;
@@ -62,39 +65,188 @@ pub fn effort(page: &mut Page, input: &ReportInput) {
 fn failures(input: &ReportInput) -> Markup {
     let learned = !input.summary.convergence.rounds.is_empty();
     let listed = input.failures.iter().take(FAILURES_LISTED);
+    let rows = listed.map(|(id, reason)| [id.to_string(), reason.clone()]);
     html! {
-            p {
-                "Evaluations without a result: " (count(input.failures.len() as u64)) ". They are excluded"
-                @if input.summary.is_direct() {
-                    "; the intervals of R contain both extremes, that all or none of these samples have failed"
-                } @else if learned {
-                    "; the share of the population that cannot be simulated is estimated at "
-                    (percent(input.summary.failures.barred_share))
-                    ", and the intervals of R contain both extremes, that all or none of it fails"
-                }
-                "."
-                @if input.failures.len() > FAILURES_LISTED { " The first are listed here, all of them in samples.csv." }
+        p {
+            "Evaluations without a result: " (count(input.failures.len() as u64)) ". They are excluded"
+            @if input.summary.is_direct() {
+                "; the intervals of R contain both extremes, that all or none of these samples have failed"
+            } @else if learned {
+                "; the share of the population that cannot be simulated is estimated at "
+                (percent(input.summary.failures.barred_share))
+                ", and the intervals of R contain both extremes, that all or none of it fails"
             }
-            (details("Failed evaluations", tables::table_of_text(
-                &["evaluation", "reason of the failure"],
-    listed.map(|(id, reason)| [id.to_string(), reason.clone()]),
-            )))
+            "."
+            @if input.failures.len() > FAILURES_LISTED { " The first are listed here, all of them in samples.csv." }
         }
+        (details("Failed evaluations", table_of_text(&["evaluation", "reason of the failure"], rows)))
+    }
+}
+
+fn or_unknown(text: &str) -> &str {
+    if text.is_empty() { UNKNOWN } else { text }
 }
 
 /// What is needed to repeat the study.
 pub fn repeat(input: &ReportInput) -> Markup {
-    let or_unknown = |text: &str| if text.is_empty() { UNKNOWN.to_string() } else { text.to_string() };
     let settings = (!input.meta.settings.is_null())
         .then(|| serde_json::to_string_pretty(&input.meta.settings).unwrap_or_default());
     html! {
         h3 { "Reproducibility" }
         p {
-            "Command, version and seed are in " (numbered::refer_table("facts")) ", the scene is listed below and stored next to this \
+            "Command, version and seed are in " (refer_table("facts")) ", the scene is listed below and stored next to this \
              page in " code { "scene.toml" } "; the settings include every value that the command left at its default. The same version, scene, settings \
              and seed give bit-identical results for any number of workers."
         }
         @if let Some(settings) = settings { (details("Settings", html! { pre { (settings) } })) }
         (details("Scene", html! { pre { (or_unknown(&input.meta.scene_source)) } }))
+    }
+}
+
+/// Adds the chapter.
+pub fn identification(page: &mut Page, input: &ReportInput) {
+    page.begin("Identification and signatures");
+    page.add(html! { (facts(input)) (files(input)) (elements(input)) (signatures(input)) });
+}
+
+/// What identifies the study.
+fn facts(input: &ReportInput) -> Markup {
+    let summary = &input.summary;
+    let workers: Vec<&str> = summary.workers.iter().map(|worker| worker.name.as_str()).collect();
+    let stated = |key: &'static str| Some((key, input.written.name(&format!("report.{key}"))?.render()));
+    let rows = ["project", "revision"].into_iter().filter_map(stated).chain([
+        ("begun", html! { (or_unknown(&moment(&summary.created))) }),
+        ("command", html! { code { (or_unknown(&input.meta.command)) } }),
+        ("version", html! { "Hingewise " (or_unknown(&summary.version)) "; simulations: " (or_unknown(&input.meta.version)) }),
+        (
+            "scene",
+            html! { (summary.scene) ", SHA-256 of " code { "scene.toml" } " " code { (or_unknown(&summary.scene_sha256)) } },
+        ),
+        ("method", html! { (summary.method) ", accuracy " (words::accuracy(summary)) }),
+        ("seed", html! { (summary.seed) }),
+        ("population", html! { (count(summary.population as u64)) }),
+        ("workers", html! { (or_unknown(&workers.join(", "))) }),
+    ]);
+    let rows = rows.map(|(name, value)| [name.render(), value]);
+    captioned("facts", "The study", table_of_text(&["item", "value"], rows))
+}
+
+/// A time of the campaign file, e.g. `2026-11-23T23:18:38.139Z`, to the second.
+fn moment(time: &str) -> String {
+    match time.split_once('T') {
+        Some((day, clock)) => format!("{day} {} UTC", clock.split(['.', 'Z']).next().unwrap_or_default()),
+        None => time.to_owned(),
+    }
+}
+
+/// The files that the scene took values from, with their hashes; nothing for a scene that stands alone.
+fn files(input: &ReportInput) -> Markup {
+    let files = input.written.files();
+    let row = |(file, keys): (&str, Vec<&str>)| [file.to_owned(), keys.join(", ")];
+    html! {
+        @if !files.is_empty() {
+            (captioned("files", "Files that the scene read", table_of_text(&["file", "values of"], files.into_iter().map(row))))
+        }
+    }
+}
+
+/// Where the report answers each element that IEEE 1413 requires of a reliability prediction.
+///
+/// # Source
+/// IEEE Std 1413-2010, Framework for reliability prediction of hardware.
+fn elements(input: &ReportInput) -> Markup {
+    let see = refer_table;
+    let is_mechanism = input.scene.simulator.is_none();
+    let rows = [
+        (
+            "identification of the item",
+            html! { (see("facts")) @if is_mechanism { ", " (mark("see-figure", drawing::NAME)) ", " (see("bodies")) " and after" } },
+        ),
+        (
+            "intended use of the prediction",
+            html! { @if let Some(note) = input.written.name("report.note") { (note) } @else { "not stated: " code { "[report] note" } " in the scene" } },
+        ),
+        (
+            "operating conditions and life",
+            html! { (see("limits")) " and below" @if !input.scene.conditions.is_empty() { ", " (see("conditions")) } },
+        ),
+        ("assumptions", html! { "assumptions and limits of the model" }),
+        (
+            "sources of data",
+            html! { @if input.written.files().is_empty() { "values of the scene, whose comments name their sources" } @else { (see("files")) } },
+        ),
+        ("methodology", html! { (see("facts")) ", " (see("settings")) }),
+        (
+            "inputs",
+            html! { (see("variables")) ", " (see("limits")) @if is_mechanism { ", " (see("joints")) } ", scene in the appendix" },
+        ),
+        (
+            "uncertainty of the results",
+            html! {
+                @if input.summary.is_static() { (see("reliability")) } @else { (see("lives")) ", " (see("reliability")) }
+                ", " (mark("see-figure", "parts-of-interval"))
+            },
+        ),
+        ("limitations", html! { "cautions at the head; assumptions and limits of the model" }),
+        ("repeatability", html! { "reproducibility, in the appendix" }),
+    ];
+    let table =
+        table_of_text(&["element", "answered in"], rows.map(|(element, answer)| [element.render(), answer]));
+    captioned("elements", "Elements of a reliability prediction by IEEE 1413", table)
+}
+
+/// Lines for those who sign; names that were not stated are left blank.
+fn signatures(input: &ReportInput) -> Markup {
+    let row = |key: &str| {
+        let name = input.written.name(&format!("report.{key}")).unwrap_or_default();
+        [key, name, "", ""].map(str::to_owned)
+    };
+    html! { div.signatures { (captioned("signatures", "Signatures", table(&["", "name", "date", "signature"], ["author", "checked", "approved"].map(row)))) } }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::presentation::report::{FigureFiles, page, render};
+    use crate::tests::test_study;
+
+    #[test]
+    fn times_are_stated_to_the_second() {
+        assert_eq!(moment("2026-11-23T23:18:38.139Z"), "2026-11-23 23:18:38 UTC");
+    }
+
+    #[test]
+    fn what_the_scene_or_the_command_states_is_at_the_head_and_in_the_signature_block() {
+        let mut input = test_study::report_input();
+        input.written = crate::presentation::report::written::WrittenScene::new(include_str!(
+            "../../../../../common/tests/scenes/everything.toml"
+        ));
+        let text = render(&input, FigureFiles::NextToPage).html(None);
+        let (head, rest) = text.split_once("<nav").unwrap();
+        assert!(head.contains("Project of every word, revision B, by A. Author"), "{head}");
+        assert!(head.contains("A note to the reader."));
+        let (body, appendix) = rest.split_once("<details class=\"appendix\">").unwrap();
+        for said in ["<td>author</td><td>A. Author</td>", "<td>C. Checker</td>", "<td>D. Approver</td>"] {
+            assert!(body.contains(said) && !appendix.contains(said), "{said}");
+        }
+        input.sign(&[("report.author", "E. Editor"), ("scene.title", "Another title")]);
+        let text = render(&input, FigureFiles::NextToPage).html(None);
+        assert!(text.contains("<td>E. Editor</td>") && text.contains("<h1>Another title</h1>"));
+        assert!(!text.contains("A. Author"));
+    }
+
+    /// Every answer that is a reference leads to a table or a figure of the page.
+    #[test]
+    fn every_element_of_a_prediction_is_answered_where_the_list_says() {
+        let input = test_study::report_input();
+        let listed = page::resolve(&elements(&input).0, page::FigureFiles::Absent);
+        let text = render(&input, FigureFiles::NextToPage).html(None);
+        let (_, list) = text.split_once("id=\"table-elements\"").unwrap();
+        let list = list.split("</table>").next().unwrap();
+        assert_eq!(list.matches("<tr>").count(), listed.matches("<tr>").count());
+        assert!(list.matches("<a href=\"#").count() >= 12, "{list}");
+        for name in ["facts", "bodies", "limits", "settings", "variables", "joints", "lives", "reliability"] {
+            assert!(list.contains(&format!("<a href=\"#table-{name}\">")), "{name}: {list}");
+        }
     }
 }

@@ -3,18 +3,16 @@
 
 mod end;
 mod points;
-mod signed;
 
 use super::animation::{SCRIPT, animation};
 use super::figures::{self, file_name};
-use super::format::{count, fixed, sentence};
+use super::format::{count, fixed, joined, sentence};
 use super::life::{LEVELS, failure_probability, rows_that_matter, unit_of_life};
-use super::page::numbered;
-use super::tables::{self};
-use super::{Figure, FigureFiles, Page, ReportInput, captioned, table_of};
-use super::{levels, sliders, studied, variants, words};
+use super::page::refer_table;
+use super::{FigureFiles, Page, ReportInput, captioned, table_of};
+use super::{levels, sliders, studied, tables, variants, words};
 use common::outputs::JointSummary;
-use common::scene::{JointKind, OutputUnit};
+use common::scene::{Joint, JointKind, OutputUnit};
 use maud::{Markup, PreEscaped, html};
 
 /// The script that shows the values of a chart at the pointer.
@@ -26,7 +24,7 @@ pub fn page(input: &ReportInput, files: FigureFiles) -> Page {
     lead(&mut page, input);
     page.add_contents();
     page.begin("What was studied");
-    let drawing = page.draw(studied::figure(input).into_iter().collect(), "one");
+    let drawing = page.draw(studied::figure(input), "one");
     page.add(studied::chapter(input, &drawing));
     reliability(&mut page, input);
     let sliders = sliders::chapter(&mut page, input);
@@ -37,7 +35,7 @@ pub fn page(input: &ReportInput, files: FigureFiles) -> Page {
     points::failures(&mut page, input);
     let scripts = input.summary.of_mechanism().then(|| motion(&mut page, input));
     quality(&mut page, input);
-    signed::chapter(&mut page, input);
+    end::identification(&mut page, input);
     appendix(&mut page, input);
     page.add(html! { @if let Some(scripts) = scripts { (scripts) } (sliders) script { "\n" (PreEscaped(HOVER)) } "\n" });
     page
@@ -47,12 +45,12 @@ pub fn page(input: &ReportInput, files: FigureFiles) -> Page {
 fn reliability(page: &mut Page, input: &ReportInput) {
     let (rows, all) = (rows_that_matter(&input.summary, 1), &input.summary.reliability);
     page.begin("Reliability");
-    let drawn = page.draw(figures::first_failure(input).into_iter().collect(), "two");
+    let drawn = page.draw(figures::first_failure(input), "two");
     page.add(html! {
         (drawn)
         (captioned("reliability", "Reliability at the checkpoints that matter, with 95 % intervals", tables::reliability(input, rows)))
         @if rows.len() < all.len() {
-            p { "All checkpoints: " (numbered::refer_table(CHECKPOINTS)) "; more digits in " code { "reliability.csv" } "." }
+            p { "All checkpoints: " (refer_table(CHECKPOINTS)) "; more digits in " code { "reliability.csv" } "." }
         }
     });
 }
@@ -65,9 +63,8 @@ fn variants_of_model(page: &mut Page, input: &ReportInput) {
     }
     page.begin("Variants of the model");
     let drawn = page.draw(variants::figures(summary), "two");
-    page.add(
-        html! { (drawn) (captioned("variants", "Lives by variants of the model", variants::rows(summary))) },
-    );
+    let rows = captioned("variants", "Lives by variants of the model", variants::rows(summary));
+    page.add(html! { (drawn) (rows) });
 }
 
 /// Sensitivities of the failures, and contributions to the variance of the outputs.
@@ -85,7 +82,7 @@ fn influences(page: &mut Page, input: &ReportInput) {
         @if !tables.is_empty() {
             p {
                 "All variables: "
-                @for (k, name) in tables.iter().enumerate() { @if k > 0 { ", " } (numbered::refer_table(name)) }
+                @for (k, name) in tables.iter().enumerate() { @if k > 0 { ", " } (refer_table(name)) }
                 "."
             }
         }
@@ -119,9 +116,8 @@ fn quality(page: &mut Page, input: &ReportInput) {
         (false, _) => "",
     };
     let of_rounds = figures::learning(input).into_iter().take(1);
-    let drawn: Vec<Figure> =
-        predicted.into_iter().chain(of_rounds).chain(figures::parts_of_interval(summary)).collect();
     page.begin("Quality of the result");
+    let drawn = predicted.into_iter().chain(of_rounds).chain(figures::parts_of_interval(summary));
     let drawn = page.draw(drawn, "two");
     page.add(html! {
         @if !none.is_empty() { p.none { (none) } }
@@ -137,8 +133,7 @@ fn appendix(page: &mut Page, input: &ReportInput) {
     studied::appendix(page, input);
     page.begin("Reliability in detail");
     let of_system = figures::sensitivities(input).into_iter().filter(|figure| figure.name == SYSTEM);
-    let drawn =
-        page.draw(figures::failure_rates(&input.summary).into_iter().chain(of_system).collect(), "two");
+    let drawn = page.draw(figures::failure_rates(&input.summary).into_iter().chain(of_system), "two");
     page.add(html! {
         (drawn)
         @if rows.len() < all.len() {
@@ -182,35 +177,28 @@ pub fn motion(page: &mut Page, input: &ReportInput) -> Markup {
 /// Adds the bores and orbits of the nominal mechanism, its first and its last cycle.
 pub fn wear_and_cycles(page: &mut Page, input: &ReportInput) {
     let end = input.nominal.as_ref().and_then(|nominal| nominal.cycles.last()).map_or(0, |cycles| *cycles);
-    let lives = figures::lives_in_words(input);
-    let no_history = input.nominal.as_ref().is_none_or(|nominal| nominal.worn.is_none());
-    page.add_chapter(
-"Worn bores",
-html! {
-            "The nominal mechanism after " (count(end.into())) " cycles"
-            @if no_history {
-                "; this campaign stores the bores at the end of life only"
-            } @else if !lives.is_empty() {
-                "; thin lines: after " (lives)
-            }
-            ". The inner circle is the unworn bore. Wear is drawn outward from it, magnified, at one scale for all \
-             joints; angles are in the frame of the bushing's body."
-        },
-(figures::bores(input), "many"),
-"No bore is worn in a nominal evaluation.",
-    );
+    let (lives, no_history) = (figures::lives_in_words(input), input.worn().is_none());
+    let lead = html! {
+        "The nominal mechanism after " (count(end.into())) " cycles"
+        @if no_history {
+            "; this campaign stores the bores at the end of life only"
+        } @else if !lives.is_empty() {
+            "; thin lines: after " (lives)
+        }
+        ". The inner circle is the unworn bore. Wear is drawn outward from it, magnified, at one scale for all \
+         joints; angles are in the frame of the bushing's body."
+    };
+    let none = "No bore is worn in a nominal evaluation.";
+    page.add_chapter("Worn bores", lead, (figures::bores(input), "many"), none);
     page.add(worn_guides(input));
-    page.add_chapter(
-        "Journal orbits",
-        html! {
-            "Centre of the journal relative to that of the bushing over a cycle, in the frame of the bushing's body, at \
-             one scale for all joints: "
-            span.first { "first cycle" } ", " span.last { "last cycle" }
-            ". Circle: radial clearance; outer curve: with the wear at the end of life."
-        },
-(figures::orbits(input), "many"),
-"The nominal evaluation does not include the motion of journals and bushings.",
-    );
+    let lead = html! {
+        "Centre of the journal relative to that of the bushing over a cycle, in the frame of the bushing's body, at \
+         one scale for all joints: "
+        span.first { "first cycle" } ", " span.last { "last cycle" }
+        ". Circle: radial clearance; outer curve: with the wear at the end of life."
+    };
+    let none = "The nominal evaluation does not include the motion of journals and bushings.";
+    page.add_chapter("Journal orbits", lead, (figures::orbits(input), "many"), none);
     let [first, last] = [figures::first_cycle(input), figures::last_cycle(input)];
     let lacks_last = last.is_empty() && !first.is_empty();
     let drawn = ([first, last].concat(), "three");
@@ -239,7 +227,7 @@ pub fn header(input: &ReportInput) -> Markup {
     let summary = &input.summary;
     let named = [("", "project"), ("revision ", "revision"), ("by ", "author")].into_iter();
     let text = |(before, key)| Some(format!("{before}{}", input.written.name(&format!("report.{key}"))?));
-    let responsible: Vec<String> = named.filter_map(text).collect();
+    let responsible = joined(named.filter_map(text), ", ");
     html! {
         header {
             p.brand { "Hingewise" }
@@ -248,7 +236,7 @@ pub fn header(input: &ReportInput) -> Markup {
                 "Reliability study of scene " code { (summary.scene) } ", method " (summary.method) ", accuracy "
                 (words::accuracy(summary)) ", seed " (summary.seed)
             }
-            @if !responsible.is_empty() { p.meta { (responsible.join(", ")) } }
+            @if !responsible.is_empty() { p.meta { (responsible) } }
             @if let Some(note) = input.written.name("report.note") { p { (note) } }
         }
     }
@@ -257,7 +245,7 @@ pub fn header(input: &ReportInput) -> Markup {
 /// Adds the three lives (or the failure probability) and the summary in sentences, the curve beside the lives, and the cautions.
 fn lead(page: &mut Page, input: &ReportInput) {
     let summary = &input.summary;
-    let curve = page.draw(figures::reliability(summary).into_iter().collect(), "one");
+    let curve = page.draw(figures::reliability(summary), "one");
     page.add(html! {
         div.tiles {
             @if summary.is_static() {
@@ -291,12 +279,10 @@ fn lead(page: &mut Page, input: &ReportInput) {
 /// Largest depths of both faces of each guide that wears and of its slider; nothing without any.
 pub(super) fn worn_guides(input: &ReportInput) -> Markup {
     let joints = input.nominal.iter().flat_map(|nominal| &nominal.joints).zip(&input.scene.joints);
-    let worn: Vec<&JointSummary> = joints
-        .filter(|(summary, joint)| {
-            matches!(joint.kind, JointKind::Guide(_)) && !summary.wear_depth.is_empty()
-        })
-        .map(|(summary, _)| summary)
-        .collect();
+    let is_worn = |(summary, joint): &(&JointSummary, &Joint)| {
+        matches!(joint.kind, JointKind::Guide(_)) && !summary.wear_depth.is_empty()
+    };
+    let worn: Vec<&JointSummary> = joints.filter(is_worn).map(|(summary, _)| summary).collect();
     if worn.is_empty() {
         return html! {};
     }

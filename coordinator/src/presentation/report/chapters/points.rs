@@ -2,7 +2,7 @@
 
 use crate::presentation::report::figures::{capital, parallel_coordinates};
 use crate::presentation::report::format::{
-    UNKNOWN, fixed, number_of_cycles, percent, seven_digits, three_digits, unit_scale,
+    UNKNOWN, fixed, joined, number_of_cycles, percent, seven_digits, three_digits, unit_scale,
 };
 use crate::presentation::report::{Page, ReportInput, captioned, table};
 use crate::results::point_summary::{CoordinateRow, FailurePointRow};
@@ -12,7 +12,7 @@ use maud::{Markup, html};
 /// Adds the chapter of combinations that fail and of most probable failures.
 pub fn failures(page: &mut Page, input: &ReportInput) {
     page.begin("Simulations and failure points");
-    let combinations = page.draw(parallel_coordinates(input).into_iter().collect(), "two");
+    let combinations = page.draw(parallel_coordinates(input), "two");
     page.add(html! { (combinations) (failure_points(input)) });
 }
 
@@ -28,20 +28,18 @@ fn failure_points(input: &ReportInput) -> Markup {
             }
         };
     }
-    let mut head = vec!["variable".to_owned(), "unit".to_owned()];
-    for point in points {
-        head.push(format!("{}: value", point.limit_state));
-        head.push("standard deviations".to_owned());
-    }
+    let of_point =
+        |point: &FailurePointRow| [format!("{}: value", point.limit_state), "standard deviations".to_owned()];
+    let head: Vec<String> =
+        ["variable", "unit"].map(str::to_owned).into_iter().chain(points.iter().flat_map(of_point)).collect();
     let rows = input.scene.variables.iter().map(|variable| {
-        let mut cells = vec![variable.name.clone(), variable.unit.clone()];
-        cells.extend(points.iter().flat_map(|point| cells_of(point, variable)));
-        cells
+        let cells = points.iter().flat_map(|point| cells_of(point, variable));
+        [variable.name.clone(), variable.unit.clone()].into_iter().chain(cells)
     });
     let title = format!(
         "Most probable failure per limit state: of all failed points of the population the one nearest to the medians in the space of \
          independent standard normals. {}",
-        points.iter().map(|point| sentence(input, point)).collect::<Vec<_>>().join(" ")
+        joined(points.iter().map(|point| sentence(input, point)), " ")
     );
     captioned("failure-points", &title, table(&head, rows))
 }

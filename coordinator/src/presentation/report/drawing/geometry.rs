@@ -1,7 +1,7 @@
 //! What a drawing of a mechanism shows, as data in SI: bodies, joints, loads and drives in one position of the cycle, for the
 //! drawing, the sketch in the terminal and other programs.
 
-use crate::presentation::report::format::{seven_digits, unit_scale};
+use crate::presentation::report::format::{exactly_with_unit, seven_digits, unit_scale};
 use crate::presentation::report::mechanism::{self, Circle, Pose, of_body, place};
 use common::scene::{Drive, Form, Load, Motion, OutputUnit, Scene, Table, Units, Value, filled};
 use serde::Serialize;
@@ -139,28 +139,24 @@ pub fn middle_of(points: &[[f64; 2]]) -> [f64; 2] {
     points.iter().fold([0.0; 2], |m, p| [m[0] + p[0] / n, m[1] + p[1] / n])
 }
 
-/// Vector of the plane from `a` to `b`.
-fn between(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
-    [b[0] - a[0], b[1] - a[1]]
-}
-
 impl DrawnMechanism {
     /// The mechanism in position `shown` of a cycle, given as poses per instant and body `(n, bodies)`; `None` without an
     /// instant of that number, for poses that are not finite, or if all points coincide.
     pub fn new(scene: &Scene, cycle: &[Vec<Pose>], shown: usize) -> Option<Self> {
         let poses = cycle.get(shown)?;
-        let bodies = scene.bodies.iter().enumerate().map(|(index, body)| DrawnBody {
-            name: body.name.clone(),
-            motion: match body.motion {
+        let bodies = scene.bodies.iter().enumerate().map(|(index, body)| {
+            let placed = |points: Vec<[f64; 2]>| points.iter().map(|p| of_body(&poses[index], *p)).collect();
+            let motion = match body.motion {
                 Motion::Fixed => FIXED,
                 Motion::Driven { .. } => "driven",
                 Motion::Free { .. } => "free",
-            },
-            outline_m: mechanism::outline(scene, index).iter().map(|p| of_body(&poses[index], *p)).collect(),
-            supports_m: mechanism::supports(scene, index)
-                .iter()
-                .map(|p| of_body(&poses[index], *p))
-                .collect(),
+            };
+            DrawnBody {
+                name: body.name.clone(),
+                motion,
+                outline_m: placed(mechanism::outline(scene, index)),
+                supports_m: placed(mechanism::supports(scene, index)),
+            }
         });
         let joints = (0..scene.joints.len()).map(|index| joint(scene, cycle, poses, index));
         let loads = scene.loads.iter().map(|load| self::load(scene, poses, load));
@@ -231,9 +227,8 @@ fn load(scene: &Scene, poses: &[Pose], load: &Load) -> DrawnLoad {
     let symbol = match &values[..] {
         // Along its direction a spring ends at the height of its anchor, across it nowhere in particular.
         [Value::Place(at), Value::Place(anchor), Value::Pair([dx, dy]), ..] => {
-            let from = place(poses, at);
-            let [x, y] = between(place(poses, anchor), from);
-            let height = x * dx + y * dy;
+            let (from, [x, y]) = (place(poses, at), place(poses, anchor));
+            let height = (from[0] - x) * dx + (from[1] - y) * dy;
             LoadSymbol::Coil(from, [from[0] - height * dx, from[1] - height * dy])
         }
         [Value::Place(a), Value::Place(b), ..] => LoadSymbol::Coil(place(poses, a), place(poses, b)),
@@ -274,20 +269,16 @@ fn range(table: &Table, scale: f64) -> String {
 /// A drive in words, and whether it begins counter-clockwise.
 fn drive_in_words(drive: &Drive, unit: &OutputUnit) -> (String, bool) {
     match drive {
-        Drive::ConstantSpeed { speed, .. } => {
-            (unit.after(&seven_digits(unit.to_shown(speed.abs()))), *speed >= 0.0)
-        }
+        Drive::ConstantSpeed { speed, .. } => (exactly_with_unit(unit, speed.abs()), *speed >= 0.0),
         Drive::Angle(table) => {
             let first_change = table.value.windows(2).map(|pair| pair[1] - pair[0]).find(|step| *step != 0.0);
-            (
-                format!("angle {} deg by table", range(table, 1f64.to_degrees())),
-                first_change.unwrap_or(1.0) > 0.0,
-            )
+            let angles = range(table, 1f64.to_degrees());
+            (format!("angle {angles} deg by table"), first_change.unwrap_or(1.0) > 0.0)
         }
-        Drive::Speed { table, .. } => (
-            format!("{} by table", unit.after(&range(table, unit.to_shown(1.0)))),
-            largest(&table.value) >= 0.0,
-        ),
+        Drive::Speed { table, .. } => {
+            let speeds = unit.after(&range(table, unit.to_shown(1.0)));
+            (format!("{speeds} by table"), largest(&table.value) >= 0.0)
+        }
     }
 }
 

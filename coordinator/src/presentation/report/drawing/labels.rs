@@ -122,19 +122,18 @@ pub fn place_labels(labels: &[Label], obstacles: &[[f64; 2]], size: LetterSize) 
     placed
 }
 
-fn candidate(label: &Label, [dx, dy]: [f64; 2], farther: f64, size: LetterSize) -> PlacedLabel {
+fn candidate(label: &Label, way: [f64; 2], farther: f64, size: LetterSize) -> PlacedLabel {
     // Names of bodies are bold.
     let wider = if size.whole || label.body.is_none() { 1.0 } else { BOLD };
     let half = [0.5 * wider * size.width * label.text.chars().count() as f64, 0.5 * size.height];
     let distance = label.clear + farther;
     // On a diagonal the nearest corner lies at the distance, above and beside the point the nearest edge.
     let beside = |share: f64| (share / DIAGONAL).clamp(-1.0, 1.0);
-    let centre = [
-        label.at[0] + dx * distance + beside(dx) * half[0],
-        label.at[1] + dy * distance + beside(dy) * half[1],
-    ];
     let snap = |value: f64| if size.whole { value.round() } else { value };
-    let from = [snap(centre[0] - half[0]), snap(centre[1] - half[1])];
+    let from = [0, 1].map(|axis: usize| {
+        let centre = label.at[axis] + way[axis] * distance + beside(way[axis]) * half[axis];
+        snap(centre - half[axis])
+    });
     let area = LabelArea { from, to: [from[0] + 2.0 * half[0], from[1] + 2.0 * half[1]] };
     let [x, y] = area.nearest(label.at);
     PlacedLabel { label: label.clone(), area, distance: (x - label.at[0]).hypot(y - label.at[1]) }

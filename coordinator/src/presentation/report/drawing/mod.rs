@@ -27,6 +27,7 @@ pub use sheet::{MechanismSheet, sheet};
 pub use sketch::sketch;
 
 use super::figure::{Figure, csv};
+use super::format::joined;
 use crate::results::csv_table::number;
 use common::scene::Scene;
 
@@ -63,19 +64,16 @@ pub fn figure(drawn: &DrawnMechanism, scene: &Scene) -> Figure {
 /// The meaning of the symbols that appear.
 fn caption(drawn: &DrawnMechanism, scene: &Scene) -> String {
     let shown = geometry::SYMBOLS.into_iter().filter(|(kind, ..)| drawn.has(kind));
-    let mut parts: Vec<String> =
-        shown.map(|(_, symbol, _, meaning)| format!("{symbol}: {meaning}")).collect();
-    if drawn.has_supports() || drawn.joints.iter().any(|j| j.on_ground) {
-        parts.push("hatched: frame".to_owned());
-    }
-    if !drawn.loads.is_empty() {
-        parts.push("red: loads, with their size".to_owned());
-    }
-    if !drawn.drives.is_empty() {
-        parts.push("curved arrow at a pivot: drive, with its angle in this position".to_owned());
-    }
+    let on_ground = drawn.has_supports() || drawn.joints.iter().any(|joint| joint.on_ground);
+    let others = [
+        (on_ground, "hatched: frame"),
+        (!drawn.loads.is_empty(), "red: loads, with their size"),
+        (!drawn.drives.is_empty(), "curved arrow at a pivot: drive, with its angle in this position"),
+    ];
+    let others = others.into_iter().filter(|(is_drawn, _)| *is_drawn).map(|(_, what)| what.to_owned());
+    let parts = shown.map(|(_, symbol, _, meaning)| format!("{symbol}: {meaning}")).chain(others);
     let clearances = scene.joints.iter().any(|joint| joint.kind.has_clearance());
     let proportions =
         if clearances { "True proportions, clearances too small to be seen" } else { "True proportions" };
-    format!("{proportions}. In italics: bodies; {}.", parts.join("; "))
+    format!("{proportions}. In italics: bodies; {}.", joined(parts, "; "))
 }

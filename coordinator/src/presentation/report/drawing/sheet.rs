@@ -93,8 +93,8 @@ fn sheet_within(drawn: &DrawnMechanism, room: [f64; 2]) -> MechanismSheet {
     let [low, high] = drawn.extent();
     let units = (0..2).map(|k| room[k] / (high[k] - low[k])).fold(f64::INFINITY, f64::min);
     let scale = SheetScale { units, origin: [low[0], high[1]] };
-    let bodies = drawn.bodies.iter().enumerate().map(|(index, body)| body_symbol(index, body, &scale));
-    let bodies: Vec<Symbol> = bodies.collect();
+    let bodies: Vec<Symbol> =
+        drawn.bodies.iter().enumerate().map(|(index, body)| body_symbol(index, body, &scale)).collect();
     let loads: Vec<Symbol> = drawn.loads.iter().map(|load| load_symbol(load, &scale)).collect();
     let joints: Vec<Symbol> = drawn.joints.iter().map(|joint| joint_symbol(joint, &scale)).collect();
     let drives: Vec<Symbol> = drawn.drives.iter().map(|drive| drive_symbol(drive, &scale)).collect();
@@ -110,8 +110,8 @@ fn sheet_within(drawn: &DrawnMechanism, room: [f64; 2]) -> MechanismSheet {
     let mut area = bounds(&covered, &labels);
     let bar = scale_bar(units, &drawn.length_unit);
     area.to[1] += 44.0;
-    let size = [area.to[0] - area.from[0], area.to[1] - area.from[1]];
-    let [x, y, width, height] = [area.from[0], area.from[1], size[0], size[1]].map(coordinate);
+    let [width, height] = [0, 1].map(|axis: usize| coordinate(area.to[axis] - area.from[axis]));
+    let [x, y] = area.from.map(coordinate);
     let content = html! {
         rect x=(x) y=(y) width=(width) height=(height) fill=(Ink::Paper.hex()) {}
         @for symbol in bodies.iter().chain(&loads).chain(joints).chain(&drives) { (symbol.markup) }
@@ -139,11 +139,8 @@ fn scale_bar(units: f64, unit: &str) -> f64 {
     let one = if unit == LENGTH_UNIT { 1.0 } else { unit_scale(unit) };
     let most = 0.25 * ROOM[0] / units / one;
     let power = 10f64.powf(most.log10().floor());
-    one * [5.0, 2.0, 1.0]
-        .map(|digit| digit * power)
-        .into_iter()
-        .find(|length| *length <= most)
-        .unwrap_or(power)
+    let lengths = [5.0, 2.0, 1.0].map(|digit| digit * power);
+    one * lengths.into_iter().find(|length| *length <= most).unwrap_or(power)
 }
 
 /// A length as the scale bar names it.
@@ -163,16 +160,14 @@ pub fn length_in_words(length: f64, unit: &str) -> String {
 
 /// Points along a line, close enough that no letter fits between two.
 fn along(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let mut covered = Vec::new();
-    for pair in points.windows(2) {
-        let (dx, dy) = (pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]);
+    let between = |pair: &[[f64; 2]]| {
+        let ([x, y], [to_x, to_y]) = (pair[0], pair[1]);
+        let (dx, dy) = (to_x - x, to_y - y);
         let parts = (dx.hypot(dy) / 6.0).ceil().max(1.0);
-        covered.extend((0..=parts as usize).map(|k| {
-            let share = k as f64 / parts;
-            [pair[0][0] + share * dx, pair[0][1] + share * dy]
-        }));
-    }
-    covered
+        let shares = (0..=parts as usize).map(move |k| k as f64 / parts);
+        shares.map(move |share| [x + share * dx, y + share * dy])
+    };
+    points.windows(2).flat_map(between).collect()
 }
 
 /// Points around a circle.
@@ -230,7 +225,7 @@ fn joint_symbol(joint: &DrawnJoint, scale: &SheetScale) -> Symbol {
     let at = scale.place(joint.at_m);
     let ([x, y], [left_text, top_text]) = (at, at.map(coordinate));
     let mut covers = circle(at, 6.0);
-    let (clear, markup) = match (joint.rail_m, joint.kind) {
+    let symbol = match (joint.rail_m, joint.kind) {
         (Some(ends), _) => {
             let [left, right] = symbols::rail_ends(ends.map(|end| scale.place(end)));
             covers.extend(along(&[left, right]));
@@ -239,26 +234,20 @@ fn joint_symbol(joint: &DrawnJoint, scale: &SheetScale) -> Symbol {
             covers.extend(circle(at, 12.0));
             let turned = (right[1] - left[1]).atan2(right[0] - left[0]).to_degrees();
             let rail = symbols::rail([left, right], joint.on_ground, Ink::Muted);
-            (14.0, html! { (rail) (symbols::block(at, turned, Ink::Ink)) })
+            html! { (rail) (symbols::block(at, turned, Ink::Ink)) }
         }
-        (None, "fixed") => (
-            10.0,
-            html! {
-                rect x=(left_text) y=(top_text) width="10" height="10" transform="translate(-5 -5)" fill=(ink) {}
-            },
-        ),
-        (None, CLEARANCE) => (
-            10.0,
-            html! {
-                circle cx=(left_text) cy=(top_text) r="6" fill=(paper) stroke=(ink) stroke-width="2" {}
-                circle cx=(left_text) cy=(top_text) r="2.2" fill=(ink) {}
-            },
-        ),
-        _ => (
-            10.0,
-            html! { circle cx=(left_text) cy=(top_text) r="5" fill=(paper) stroke=(ink) stroke-width="2" {} },
-        ),
+        (None, "fixed") => html! {
+            rect x=(left_text) y=(top_text) width="10" height="10" transform="translate(-5 -5)" fill=(ink) {}
+        },
+        (None, CLEARANCE) => html! {
+            circle cx=(left_text) cy=(top_text) r="6" fill=(paper) stroke=(ink) stroke-width="2" {}
+            circle cx=(left_text) cy=(top_text) r="2.2" fill=(ink) {}
+        },
+        _ => {
+            html! { circle cx=(left_text) cy=(top_text) r="5" fill=(paper) stroke=(ink) stroke-width="2" {} }
+        }
     };
+    let clear = if joint.rail_m.is_some() { 14.0 } else { 10.0 };
     let shapes: Vec<Vec<[f64; 2]>> = joint.lines().iter().map(|line| places(line, scale)).collect();
     covers.extend(shapes.iter().flat_map(|line| along(line)));
     let label = Some(Label { text: joint.name.clone(), at, clear, body: None });
@@ -266,7 +255,7 @@ fn joint_symbol(joint: &DrawnJoint, scale: &SheetScale) -> Symbol {
         @for line in &shapes {
             path d=(path_along(line)) fill="none" stroke=(Ink::Muted.hex()) stroke-width="1.5" stroke-dasharray="6 2" {}
         }
-        (markup)
+        (symbol)
     };
     Symbol { markup, covers, label }
 }
@@ -326,20 +315,18 @@ fn text(placed: &PlacedLabel) -> Markup {
         None => (Ink::Ink, "normal", "400"),
     };
     let far = placed.distance > placed.label.clear + 16.0;
-    let left = coordinate(placed.area.from[0]);
-    let middle = 0.5 * (placed.area.from[0] + placed.area.to[0]);
-    let base = coordinate(placed.area.to[1] - 5.0);
+    let LabelArea { from: [left, _], to: [right, bottom] } = placed.area;
     // Next to its point a label begins or ends there, whatever the width of the reader's letters.
     let (at, anchor) = match () {
-        () if placed.area.from[0] >= x => (left, "start"),
-        () if placed.area.to[0] <= x => (coordinate(placed.area.to[0]), "end"),
-        () => (coordinate(middle), "middle"),
+        () if left >= x => (left, "start"),
+        () if right <= x => (right, "end"),
+        () => (0.5 * (left + right), "middle"),
     };
     html! {
         @if far {
             path d=(path_along(&[[x, y], near])) stroke=(Ink::Muted.hex()) stroke-width="0.8" fill="none" {}
         }
-        text x=(at) y=(base) text-anchor=(anchor) fill=(ink.hex()) stroke=(Ink::Paper.hex()) stroke-width="4"
+        text x=(coordinate(at)) y=(coordinate(bottom - 5.0)) text-anchor=(anchor) fill=(ink.hex()) stroke=(Ink::Paper.hex()) stroke-width="4"
             paint-order="stroke" font-style=(style) font-weight=(weight) { (placed.label.text) }
     }
 }
@@ -348,14 +335,9 @@ fn text(placed: &PlacedLabel) -> Markup {
 fn foot(drawn: &DrawnMechanism, area: LabelArea, length: f64, units: f64) -> Markup {
     let (x, y) = (area.from[0] + MARGIN, area.to[1] - 18.0);
     let ink = Ink::Ink.hex();
-    let bar = path_along(&[
-        [x, y - 5.0],
-        [x, y + 5.0],
-        [x, y],
-        [x + units, y],
-        [x + units, y - 5.0],
-        [x + units, y + 5.0],
-    ]);
+    let right = x + units;
+    let bar =
+        path_along(&[[x, y - 5.0], [x, y + 5.0], [x, y], [right, y], [right, y - 5.0], [right, y + 5.0]]);
     let [gx, gy] = drawn.gravity_m_s2;
     let size = gx.hypot(gy);
     let from = [area.to[0] - 150.0, y - 12.0 * f64::from(gy < 0.0)];

@@ -1,8 +1,9 @@
 //! The drawing of a mechanism in letters: lines of Braille dots, joints and loads as signs, names beside them.
 
-use super::geometry::{DrawnMechanism, FIXED, LoadSymbol, SYMBOLS, middle_of};
+use super::geometry::{DrawnDrive, DrawnMechanism, FIXED, LoadSymbol, SYMBOLS, middle_of};
 use super::labels::{Label, LetterSize, place_labels};
 use super::symbols::around;
+use crate::presentation::report::format::joined;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
@@ -79,7 +80,6 @@ pub fn sketch(drawn: &DrawnMechanism) -> String {
     let units = (ROOM[0] / (high[0] - low[0])).min(2.0 * ROOM[1] / (high[1] - low[1]));
     let place = |[x, y]: [f64; 2]| [(x - low[0]) * units + 0.5, 0.5 * (high[1] - y) * units + 0.5];
     let mut canvas = Canvas::default();
-    let mut labels = Vec::new();
     for body in drawn.bodies.iter().filter(|body| body.motion != FIXED) {
         let mut corners = around(&body.outline_m.iter().map(|p| place(*p)).collect::<Vec<_>>());
         corners.extend(corners.first().copied());
@@ -98,8 +98,7 @@ pub fn sketch(drawn: &DrawnMechanism) -> String {
             LoadSymbol::Arrow(at, [x, y]) => {
                 let eighth = (y.atan2(x) / std::f64::consts::FRAC_PI_4).round().rem_euclid(8.0) as usize;
                 let [cx, cy] = place(at);
-                let (dx, dy) =
-                    (x.signum() * f64::from(x.abs() > 1e-9), y.signum() * f64::from(y.abs() > 1e-9));
+                let [dx, dy] = [x, y].map(|way: f64| way.signum() * f64::from(way.abs() > 1e-9));
                 canvas.sign([cx + 2.0 * dx, cy - dy], ARROWS[eighth]);
             }
             LoadSymbol::Turn(at, counter_clockwise) => {
@@ -123,7 +122,8 @@ pub fn sketch(drawn: &DrawnMechanism) -> String {
     }
     for joint in &drawn.joints {
         let [x, y] = place(joint.at_m);
-        let sign = sign_of(joint.kind);
+        let known = SYMBOLS.iter().find(|(known, ..)| *known == joint.kind);
+        let sign = known.and_then(|(_, _, sign, _)| *sign).unwrap_or('o');
         if joint.rail_m.is_some() {
             // As wide as a block, so that a hinge on it does not hide it.
             canvas.sign([x - 1.0, y], sign);
@@ -131,17 +131,17 @@ pub fn sketch(drawn: &DrawnMechanism) -> String {
         }
         canvas.sign([x, y], sign);
     }
-    for joint in &drawn.joints {
-        let [x, y] = place(joint.at_m).map(|v| v.floor() + 0.5);
-        labels.push(Label { text: joint.name.clone(), at: [x, y], clear: 1.0, body: None });
-    }
-    for (index, body) in drawn.bodies.iter().enumerate() {
-        if body.motion == FIXED || body.outline_m.is_empty() {
-            continue;
-        }
+    let joints = drawn.joints.iter().map(|joint| {
+        let at = place(joint.at_m).map(|v| v.floor() + 0.5);
+        Label { text: joint.name.clone(), at, clear: 1.0, body: None }
+    });
+    let bodies = drawn.bodies.iter().enumerate();
+    let named = bodies.filter(|(_, body)| body.motion != FIXED && !body.outline_m.is_empty());
+    let bodies = named.map(|(index, body)| {
         let (text, at) = (format!("[{}]", body.name), place(middle_of(&body.outline_m)));
-        labels.push(Label { text, at, clear: 1.0, body: Some(index) });
-    }
+        Label { text, at, clear: 1.0, body: Some(index) }
+    });
+    let labels: Vec<Label> = joints.chain(bodies).collect();
     for placed in place_labels(&labels, &canvas.used(), LETTERS) {
         let [x, y] = placed.area.from;
         for (k, letter) in placed.label.text.chars().enumerate() {
@@ -153,11 +153,8 @@ pub fn sketch(drawn: &DrawnMechanism) -> String {
     let _ = writeln!(out, "\n  {}", legend(drawn));
     for drive in &drawn.drives {
         let way = if drive.counter_clockwise { "counter-clockwise" } else { "clockwise" };
-        let _ = writeln!(
-            out,
-            "  {}: driven {way}, {}; here at {:.1} deg",
-            drive.body, drive.speed, drive.angle_deg
-        );
+        let DrawnDrive { body, speed, angle_deg, .. } = drive;
+        let _ = writeln!(out, "  {body}: driven {way}, {speed}; here at {angle_deg:.1} deg");
     }
     for load in &drawn.loads {
         let _ = writeln!(out, "  {}: {}", load.name, load.size);
@@ -165,18 +162,10 @@ pub fn sketch(drawn: &DrawnMechanism) -> String {
     out
 }
 
-fn sign_of(kind: &str) -> char {
-    SYMBOLS.iter().find(|(known, ..)| *known == kind).and_then(|(_, _, sign, _)| *sign).unwrap_or('o')
-}
-
 /// The meaning of the signs that appear.
 fn legend(drawn: &DrawnMechanism) -> String {
     let shown = SYMBOLS.iter().filter(|(kind, ..)| drawn.has(kind));
-    let mut parts: Vec<String> =
-        shown.filter_map(|(_, _, sign, meaning)| Some(format!("{} {meaning}", (*sign)?))).collect();
-    if drawn.has_supports() {
-        parts.push("▲ frame".to_owned());
-    }
-    parts.push("[name] body".to_owned());
-    parts.join("   ")
+    let signs = shown.filter_map(|(_, _, sign, meaning)| Some(format!("{} {meaning}", (*sign)?)));
+    let frame = drawn.has_supports().then(|| "▲ frame".to_owned());
+    joined(signs.chain(frame).chain(["[name] body".to_owned()]), "   ")
 }

@@ -4,7 +4,6 @@ use super::geometry::middle_of;
 use crate::presentation::report::format::plain;
 use crate::presentation::report::palette::Ink;
 use maud::{Markup, html};
-use std::fmt::Write;
 
 /// Length and height of the block of a slider [drawing units].
 pub const BLOCK: [f64; 2] = [34.0, 20.0];
@@ -20,14 +19,20 @@ pub fn coordinate(value: f64) -> String {
     plain(value, 2).replace('\u{2212}', "-")
 }
 
+/// Both coordinates of a place.
+pub fn pair([x, y]: [f64; 2]) -> String {
+    format!("{} {}", coordinate(x), coordinate(y))
+}
+
+/// A `transform` that moves to a place and turns by an angle [deg, clockwise].
+pub fn placed(at: [f64; 2], degrees: f64) -> String {
+    format!("translate({}) rotate({})", pair(at), coordinate(degrees))
+}
+
 /// `M`, `L`, ... commands along points.
 pub fn path_along(points: &[[f64; 2]]) -> String {
-    let mut path = String::new();
-    for (k, [x, y]) in points.iter().enumerate() {
-        // Writing to a String cannot fail.
-        let _ = write!(path, "{}{} {}", if k == 0 { 'M' } else { 'L' }, coordinate(*x), coordinate(*y));
-    }
-    path
+    let command = |(k, at): (usize, &[f64; 2])| format!("{}{}", if k == 0 { 'M' } else { 'L' }, pair(*at));
+    points.iter().enumerate().map(command).collect()
 }
 
 /// A body: a bar between two points, a plate between more.
@@ -53,8 +58,7 @@ pub fn around(corners: &[[f64; 2]]) -> Vec<[f64; 2]> {
 pub fn ground([x, y]: [f64; 2]) -> Markup {
     let floor = y + 15.0;
     html! {
-        path d=(format!("M{} {}l-9 15h18z", coordinate(x), coordinate(y))) fill=(Ink::Grid.hex())
-            stroke=(Ink::Muted.hex()) stroke-width="1.5" {}
+        path d=(format!("M{}l-9 15h18z", pair([x, y]))) fill=(Ink::Grid.hex()) stroke=(Ink::Muted.hex()) stroke-width="1.5" {}
         (hatched([x + 14.0, floor], [x - 14.0, floor]))
     }
 }
@@ -80,11 +84,10 @@ pub fn hatched(from: [f64; 2], to: [f64; 2]) -> Markup {
 }
 
 /// The block of a slider, turned by an angle [deg, clockwise].
-pub fn block([x, y]: [f64; 2], degrees: f64, ink: Ink) -> Markup {
+pub fn block(at: [f64; 2], degrees: f64, ink: Ink) -> Markup {
     let [length, height] = BLOCK;
-    let turned = format!("translate({} {}) rotate({})", coordinate(x), coordinate(y), coordinate(degrees));
     html! {
-        g transform=(turned) {
+        g transform=(placed(at, degrees)) {
             rect x=(-0.5 * length) y=(-0.5 * height) width=(length) height=(height) rx="2" fill=(Ink::Paper.hex()) {}
             rect x=(-0.5 * length) y=(-0.5 * height) width=(length) height=(height) rx="2" fill=(ink.hex())
                 fill-opacity="0.25" stroke=(ink.hex()) stroke-width="2.5" {}
@@ -142,14 +145,8 @@ pub fn turn([x, y]: [f64; 2], radius: f64, counter_clockwise: bool, ink: Ink) ->
     };
     let ((start, _), (end, direction)) = (at(-120.0), at(120.0));
     let (shaft, _) = at(110.0);
-    let arc = format!(
-        "M{} {}A{radius} {radius} 0 1 {} {} {}",
-        coordinate(start[0]),
-        coordinate(start[1]),
-        u8::from(!counter_clockwise),
-        coordinate(shaft[0]),
-        coordinate(shaft[1])
-    );
+    let (start, shaft, sweep) = (pair(start), pair(shaft), u8::from(!counter_clockwise));
+    let arc = format!("M{start}A{radius} {radius} 0 1 {sweep} {shaft}");
     html! {
         path d=(arc) fill="none" stroke=(ink.hex()) stroke-width="2.5" {}
         path d=(path_along(&head(end, direction)) + "Z") fill=(ink.hex()) {}
@@ -160,18 +157,14 @@ pub fn turn([x, y]: [f64; 2], radius: f64, counter_clockwise: bool, ink: Ink) ->
 pub fn coil(from: [f64; 2], to: [f64; 2]) -> Vec<[f64; 2]> {
     let ([dx, dy], length) = direction(from, to);
     let turns = ((length / 12.0) as usize).clamp(4, 14);
-    let mut points = vec![from];
-    for k in 0..turns {
-        let share = 0.15 + 0.7 * (k as f64 + 0.5) / turns as f64;
-        let side = if k % 2 == 0 { 7.0 } else { -7.0 };
-        let along = share * length;
-        points.push([from[0] + along * dx - side * dy, from[1] + along * dy + side * dx]);
-    }
+    let corner = |k: usize| {
+        let along = (0.15 + 0.7 * (k as f64 + 0.5) / turns as f64) * length;
+        let side = if k.is_multiple_of(2) { 7.0 } else { -7.0 };
+        [from[0] + along * dx - side * dy, from[1] + along * dy + side * dx]
+    };
     let [low, high] =
         [0.15, 0.85].map(|share| share * length).map(|along| [from[0] + along * dx, from[1] + along * dy]);
-    points.insert(1, low);
-    points.extend([high, to]);
-    points
+    [from, low].into_iter().chain((0..turns).map(corner)).chain([high, to]).collect()
 }
 
 /// Corners of a spiral spring around a point.

@@ -2,7 +2,7 @@
 //! the journals in them.
 
 use super::file_name;
-use crate::presentation::report::format::{count, fixed};
+use crate::presentation::report::format::{count, fixed, fixed_with_unit, joined};
 use crate::presentation::report::mechanism::{Pose, eccentricity, poses};
 use crate::presentation::report::polar::{Polar, Stroke, freest, full_scale};
 use crate::presentation::report::{Figure, Ink, ReportInput, csv};
@@ -32,19 +32,15 @@ pub fn bores(input: &ReportInput) -> Vec<Figure> {
     let worn = bores().filter(|(_, joint)| !joint.wear_depth.is_empty());
     worn.map(|(index, joint)| {
         let end = (nominal.cycles.last().copied().unwrap_or(0), joint.wear_depth.as_slice());
-        let mut lives = through_life(input, index);
-        if lives.is_empty() {
-            lives.push(end);
-        }
+        let lives = Some(through_life(input, index)).filter(|lives| !lives.is_empty()).unwrap_or(vec![end]);
         let mut polar = Polar::new(BORE, full);
         for (k, (_, wear)) in lives.iter().enumerate() {
             let last = k + 1 == lives.len();
-            let opacity = 0.35 + 0.65 * (k + 1) as f64 / lives.len() as f64;
-            let stroke = Stroke { ink: Ink::Series(0), width: if last { 2.2 } else { 1.2 }, opacity };
+            let (ink, opacity) = (Ink::Series(0), 0.35 + 0.65 * (k + 1) as f64 / lives.len() as f64);
             if last {
-                polar.filled(wear, stroke.ink);
+                polar.filled(wear, ink);
             }
-            polar.closed(wear, stroke);
+            polar.closed(wear, Stroke { ink, width: if last { 2.2 } else { 1.2 }, opacity });
         }
         polar.circle(0.0, Stroke { ink: Ink::Muted, width: 1.2, opacity: 1.0 });
         let wear = end.1;
@@ -52,9 +48,9 @@ pub fn bores(input: &ReportInput) -> Vec<Figure> {
         let degrees = |k: usize| 360.0 * k as f64 / wear.len() as f64;
         let caption = format!(
             "Largest depth {} at {}°; peak force {}.",
-            depth.after(&fixed(depth.to_shown(deepest(wear)), 2)),
+            fixed_with_unit(&depth, deepest(wear), 2),
             fixed(degrees(deepest_point), 0),
-            force.after(&fixed(force.to_shown(joint.peak_force), 2))
+            fixed_with_unit(&force, joint.peak_force, 2)
         );
         let rows = lives.iter().flat_map(|(cycles, wear)| {
             wear.iter()
@@ -75,7 +71,7 @@ pub fn bores(input: &ReportInput) -> Vec<Figure> {
 /// Bores of a joint at about equal steps over life, the last at its end, as (cycles, depths); empty if the nominal
 /// evaluation stores only the end.
 fn through_life(input: &ReportInput, joint: usize) -> Vec<(u32, &[f64])> {
-    let Some(worn) = input.nominal.as_ref().and_then(|nominal| nominal.worn.as_ref()) else { return vec![] };
+    let Some(worn) = input.worn() else { return vec![] };
     lives(&worn.cycles)
         .into_iter()
         .filter_map(|k| Some((worn.cycles[k], worn.wear_depth.get(k)?.get(joint)?.as_slice())))
@@ -96,9 +92,7 @@ fn lives(cycles: &[u32]) -> Vec<usize> {
 
 /// Lives before its end at which bores are drawn, as text; empty if only the end is stored.
 pub fn lives_in_words(input: &ReportInput) -> String {
-    let cycles =
-        input.nominal.as_ref().and_then(|nominal| nominal.worn.as_ref()).map(|worn| &worn.cycles[..]);
-    let cycles = cycles.unwrap_or_default();
+    let cycles = input.worn().map_or(&[][..], |worn| &worn.cycles);
     let mut all: Vec<String> = lives(cycles).into_iter().map(|k| count(cycles[k].into())).collect();
     all.pop();
     all.join(", ")
@@ -121,13 +115,12 @@ struct Orbits<'a> {
 /// One polar figure per joint with clearance whose motion the nominal evaluation includes, all at one scale.
 pub fn orbits(input: &ReportInput) -> Vec<Figure> {
     let Some(nominal) = &input.nominal else { return vec![] };
-    let last = nominal.worn.as_ref().and_then(|worn| worn.last_cycle.as_ref());
-    let known =
-        [("first", nominal.first_cycle.as_ref()), ("last", last)].into_iter().filter_map(|(name, cycle)| {
-            let poses = poses(&input.scene, cycle?).filter(|poses| !poses.is_empty())?;
-            Some((name, cycle?, poses))
-        });
-    let known: Vec<_> = known.collect();
+    let cycles = [("first", input.first_cycle()), ("last", input.last_cycle())];
+    let with_poses = |(name, cycle): (&'static str, Option<_>)| {
+        let poses = poses(&input.scene, cycle?).filter(|poses| !poses.is_empty())?;
+        Some((name, cycle?, poses))
+    };
+    let known: Vec<_> = cycles.into_iter().filter_map(with_poses).collect();
     let orbits = input.scene.joints.iter().enumerate().filter_map(|(index, joint)| {
         let JointKind::Clearance(clearance) = &joint.kind else { return None };
         let orbit = |poses: &Vec<Vec<Pose>>| poses.iter().map(|poses| eccentricity(poses, joint)).collect();
@@ -166,15 +159,14 @@ fn orbit(orbits: &Orbits<'_>, full: f64, unit: &OutputUnit) -> Figure {
             *farthest = farthest.max(x.hypot(*y));
         }
     }
-    let shown = |length: f64| unit.after(&fixed(unit.to_shown(length), 1));
+    let shown = |length: f64| fixed_with_unit(unit, length, 1);
     let farthest = |cycle: &str| {
         let orbit = orbits.cycles.iter().find(|(name, ..)| *name == cycle)?;
         let far = orbit.2.iter().map(|e| e[0].hypot(e[1])).fold(0.0, f64::max);
         Some(format!("{cycle} cycle {}", shown(far)))
     };
-    let far: Vec<String> = ["first", "last"].into_iter().filter_map(farthest).collect();
-    let caption =
-        format!("Radial clearance {}; largest eccentricity: {}.", shown(orbits.clearance), far.join(", "));
+    let far = joined(["first", "last"].into_iter().filter_map(farthest), ", ");
+    let caption = format!("Radial clearance {}; largest eccentricity: {far}.", shown(orbits.clearance));
     let rows = orbits.cycles.iter().flat_map(|(cycle, history, orbit)| {
         history.time.iter().zip(orbit).map(move |(time, [x, y])| {
             vec![cycle.to_string(), number(1e3 * time), number(1e6 * x), number(1e6 * y)]

@@ -1,10 +1,13 @@
-//! Figures of the nominal mechanism over a cycle: forces and motion, on the unworn and on the worn bores.
+//! Figures of the nominal mechanism over a cycle: forces and motion, on the unworn and on the worn bores; and before anything is
+//! simulated the loads that vary by curves over the angle of the crank: a table that acts at the wrong angle is seen.
 
 use super::{file_name, range, words};
-use crate::presentation::report::format::fixed;
+use crate::presentation::report::format::{fixed, fixed_with_unit, joined, three_digits, unit_scale};
+use crate::presentation::report::mechanism::Pose;
 use crate::presentation::report::{Axis, Figure, Ink, Plot, Points, ReportInput, Series, Shape};
 use common::outputs::{BodyTrace, CycleHistory};
-use common::scene::{Output, OutputKind, OutputUnit};
+use common::scene::monotone::monotone_value;
+use common::scene::{Load, Motion, Output, OutputKind, OutputUnit, Over, Scene};
 
 /// Named curves over time [ms].
 type Traces = Vec<(String, Points)>;
@@ -23,9 +26,7 @@ static ANGLE: BodyQuantity =
 
 /// Joint forces, angles and angular velocities of the settled first cycle of the unworn nominal mechanism.
 pub fn first_cycle(input: &ReportInput) -> Vec<Figure> {
-    let Some(cycle) = input.nominal.as_ref().and_then(|nominal| nominal.first_cycle.as_ref()) else {
-        return vec![];
-    };
+    let Some(cycle) = input.first_cycle() else { return vec![] };
     let units = &input.scene.units;
     let [angle, speed] = [&ANGLE, &SPEED].map(|quantity| units.of(quantity.unit.clone()));
     let extremes = cycle.bodies.iter().map(|body| {
@@ -33,7 +34,7 @@ pub fn first_cycle(input: &ReportInput) -> Vec<Figure> {
         let [low, high] = [low, high].map(|value| angle.after(&fixed(value, 3)).replace(" deg", "°"));
         format!("{}: {low} to {high}", body.label)
     });
-    let extremes = format!("{}.", extremes.collect::<Vec<_>>().join("; "));
+    let extremes = format!("{}.", joined(extremes, "; "));
     let traces = |shown: &BodyQuantity, unit: &OutputUnit| -> Traces {
         let trace = |body: &BodyTrace| (body.label.clone(), trace(cycle, (shown.values)(body), unit));
         cycle.bodies.iter().map(trace).collect()
@@ -54,9 +55,7 @@ pub fn first_cycle(input: &ReportInput) -> Vec<Figure> {
 /// The effect of wear: the joint forces of the last cycle, and for every output that compares two bodies their difference
 /// in the first and in the last cycle.
 pub fn last_cycle(input: &ReportInput) -> Vec<Figure> {
-    let Some(nominal) = &input.nominal else { return vec![] };
-    let (Some(first), Some(worn)) = (&nominal.first_cycle, &nominal.worn) else { return vec![] };
-    let Some(last) = &worn.last_cycle else { return vec![] };
+    let Some((first, last)) = input.first_cycle().zip(input.last_cycle()) else { return vec![] };
     let of_output = |output: &Output| {
         let (a, b, quantity) = match &output.kind {
             OutputKind::AngularVelocityDifference { a, b } => (a, b, &SPEED),
@@ -103,10 +102,9 @@ fn forces(cycle: &CycleHistory, unit: &OutputUnit, [name, title, state]: [&str; 
     let forces = cycle.joint_force.iter().map(force).collect();
     let peak = |(name, force): &(String, Vec<f64>)| {
         let largest = force.iter().copied().fold(0.0, f64::max);
-        format!("{name}: {}", unit.after(&fixed(unit.to_shown(largest), 2)))
+        format!("{name}: {}", fixed_with_unit(unit, largest, 2))
     };
-    let peaks: Vec<String> = cycle.joint_force.iter().map(peak).collect();
-    let caption = format!("{state} Peaks of joints {}.", peaks.join(", "));
+    let caption = format!("{state} Peaks of joints {}.", joined(cycle.joint_force.iter().map(peak), ", "));
     over_time(cycle, [name, title, &axis(unit, "joint force")], forces, &caption)
 }
 
@@ -160,9 +158,81 @@ fn thinned(points: Points) -> Points {
     kept
 }
 
+/// Loads that vary by curves over a cycle.
+pub struct VaryingLoads {
+    /// What they vary over, with its unit, e.g. `angle of crank [deg]`.
+    over: String,
+    /// Name, unit and values of each over the angle [deg], or the time [s] without a driven body.
+    loads: Vec<(String, String, Points)>,
+}
+
+impl VaryingLoads {
+    /// The loads of a scene through the poses of a cycle `(n, bodies)` at these times `(n,)` [s]; `None` without such loads, or for a single
+    /// pose.
+    pub fn new(scene: &Scene, cycle: &[Vec<Pose>], times: &[f64]) -> Option<Self> {
+        let crank = scene.bodies.iter().position(|body| matches!(body.motion, Motion::Driven { .. }));
+        let angle = |poses: &[Pose], body: usize| poses[body].1;
+        let at = |k: usize| crank.map_or(times[k], |body| angle(&cycle[k], body).to_degrees());
+        let loads = scene.loads.iter().filter_map(Load::curve).map(|(name, _, curve, kind)| {
+            let value = |k: usize| match curve.over {
+                Over::Time => monotone_value(&curve.table, times[k]),
+                Over::Angle(body) => monotone_value(&curve.table, angle(&cycle[k], body)),
+            };
+            let unit = scene.units.symbol(kind.si);
+            let shown = |k: usize| (at(k), value(k) / unit_scale(unit));
+            (name, unit.to_owned(), (0..cycle.len()).map(shown).collect())
+        });
+        let loads: Vec<_> = loads.filter(|_| cycle.len() > 1).collect();
+        let of_crank = |body: usize| format!("angle of {} [deg]", scene.bodies[body].name);
+        (!loads.is_empty()).then(|| Self { over: crank.map_or("time [s]".to_owned(), of_crank), loads })
+    }
+
+    /// A line for each load: its range, and where it is largest in size.
+    pub fn lines(&self) -> Vec<String> {
+        let line = |(name, unit, points): &(String, String, Points)| {
+            let (low, high) = range(points.iter().map(|point| point.1));
+            let largest = points.iter().copied().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+            let place = largest.map_or(0.0, |point| point.0);
+            let (what, of) = self.over.split_once(" [").unwrap_or((&self.over, ""));
+            let place =
+                format!("{} {}", fixed(place, if of == "s]" { 4 } else { 0 }), of.trim_end_matches(']'));
+            let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+            let [low, high] = [low, high].map(three_digits);
+            format!("load {name}: {low} to {high}{unit}, largest at {place}, {what}")
+        };
+        self.loads.iter().map(line).collect()
+    }
+
+    /// A figure for each unit of the loads.
+    pub fn figures(&self) -> Vec<Figure> {
+        let mut units: Vec<&str> = self.loads.iter().map(|load| load.1.as_str()).collect();
+        units.dedup();
+        let figure = |(k, unit): (usize, &&str)| {
+            let of_unit = self.loads.iter().filter(|load| load.1 == *unit);
+            let points = of_unit.clone().flat_map(|load| &load.2);
+            let line = |(k, (name, _, points)): (usize, &(String, _, Points))| {
+                Series::new(name, Ink::Series(k), Shape::Line(points.clone()))
+            };
+            let series: Vec<Series> = of_unit.enumerate().map(line).collect();
+            let (low, high) = range(points.clone().map(|point| point.1));
+            let margin = 0.04 * (high - low).max(f64::MIN_POSITIVE);
+            let label = if unit.is_empty() { "factor".to_owned() } else { format!("load [{unit}]") };
+            let x = Axis::linear(&self.over, range(points.map(|point| point.0)));
+            let y = Axis::linear(&label, ((low - margin).min(0.0), (high + margin).max(0.0)));
+            let figure = &if k == 0 { "loads".to_owned() } else { format!("loads-{}", k + 1) };
+            let (what, _) = self.over.split_once(" [").unwrap_or((&self.over, ""));
+            let (title, lines) = (format!("Loads over the {what}"), self.lines().join("; "));
+            let caption = format!("By their curves. {lines}.");
+            Plot { figure, x, y, series: &series }.figure(&title, &caption)
+        };
+        units.iter().enumerate().map(figure).collect()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use common::scene::SceneSource;
 
     #[test]
     fn a_dense_trace_keeps_its_peaks() {
@@ -172,5 +242,29 @@ mod tests {
         let kept = thinned(points);
         assert!(kept.len() <= 2 * BUCKETS && kept.is_sorted_by(|a, b| a.0 <= b.0));
         assert_eq!(range(kept.iter().map(|p| p.1)), (-9.0, 9.0));
+    }
+
+    #[test]
+    fn a_table_over_the_crank_is_shown_at_the_angles_at_which_it_acts() {
+        let load = "\n[[loads]]\nname = \"card\"\ntype = \"torque\"\nbody = \"rocker\"\ntorque = { over = { angle = \"crank\" }, \
+                    at = { unit = \"deg\", values = [0, 90, 360] }, value = { unit = \"N m\", values = [1, -4, 1] } }\n";
+        let text = format!("{}{load}", SceneSource::builtin("four-bar").unwrap().text());
+        let source = SceneSource::parse(&text, "scene.toml").unwrap();
+        let scene = source.nominal();
+        let crank = scene.bodies.iter().position(|body| body.name == "crank").unwrap();
+        let degrees: Vec<f64> = (0..=36).map(|k| 10.0 * f64::from(k)).collect();
+        let pose = |degrees: &f64| {
+            let mut poses = vec![([0.0; 2], 0.0); scene.bodies.len()];
+            poses[crank].1 = degrees.to_radians();
+            poses
+        };
+        let cycle: Vec<_> = degrees.iter().map(pose).collect();
+        let found = VaryingLoads::new(scene, &cycle, &degrees).unwrap();
+        assert_eq!(found.lines(), ["load card: −4.00 to 1.00 N m, largest at 90 deg, angle of crank"]);
+        let figures = found.figures();
+        assert_eq!((figures.len(), figures[0].name.as_str()), (1, "loads"));
+        // Half way between two points of equal slope, zero: the mean of their values.
+        assert!((found.loads[0].2.iter().find(|p| (p.0 - 45.0).abs() < 5.1).unwrap().1 + 1.0).abs() < 1.0);
+        assert!(VaryingLoads::new(scene, &cycle[..1], &degrees).is_none());
     }
 }

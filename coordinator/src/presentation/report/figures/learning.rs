@@ -1,7 +1,7 @@
 //! Figures of the rounds of learning, of the predictions of the surrogates, and of the numerical error.
 
 use super::{LifeAxis, capital, file_name, ink_of, range, rows_that_matter, span, stacked};
-use crate::presentation::report::format::{count, fixed, percent, seven_digits};
+use crate::presentation::report::format::{count, exactly_with_unit, fixed, percent};
 use crate::presentation::report::levels::{PARTS, half_widths};
 use crate::presentation::report::{
     Axis, Figure, Ink, Plot, Points, ReportInput, Scale, Series, Shape, StatedAt, tick_label,
@@ -43,10 +43,8 @@ fn uncertainty(rounds: &[Round], last: &Round, x: Axis<'_>) -> Figure {
     let uncertain = over(rounds, |round| Some(log(round.share_uncertain)));
     let error = over(rounds, |round| Some(log(round.surrogate_error)));
     let change = over(rounds, |round| round.change_of_r.map(|change| log(change.abs())));
-    let (linear, text) = (Axis::linear("share [%]", (log(SMALLEST_SHARE), log(1.0))), |power: f64| {
-        tick_label(10f64.powf(power))
-    });
-    let y = Axis { text, scale: Scale::Logarithm, ..linear };
+    let linear = Axis::linear("share [%]", (log(SMALLEST_SHARE), log(1.0)));
+    let y = Axis { text: |power| tick_label(10f64.powf(power)), scale: Scale::Logarithm, ..linear };
     let series =
         [("uncertain share (U < 2)", uncertain), ("surrogate error", error), ("change of R", change)];
     let line = |(k, (name, points))| Series::new(name, Ink::Series(k), Shape::Dotted(points));
@@ -59,44 +57,42 @@ fn uncertainty(rounds: &[Round], last: &Round, x: Axis<'_>) -> Figure {
 pub fn predicted_against_simulated(input: &ReportInput) -> Vec<Figure> {
     let rows = input.summary.predictions.iter().filter(|row| !row.simulated.is_empty());
     let states = &input.scene.limit_states;
-    let known =
-        rows.filter_map(|row| Some((row, states.iter().find(|state| state.name == row.limit_state)?)));
-    known.map(|(row, state)| predicted(input, row, state)).collect()
+    let figure = |row: &PredictionRow| {
+        let state = states.iter().find(|state| state.name == row.limit_state)?;
+        Some(predicted(input, row, state))
+    };
+    rows.filter_map(figure).collect()
 }
 
 fn predicted(input: &ReportInput, row: &PredictionRow, state: &LimitState) -> Figure {
     let unit = input.unit_of(state);
     // The unit of files and the unit shown differ by a factor.
     let factor = unit.to_shown(1.0) / unit.to_file(1.0);
-    let points: Vec<[f64; 4]> = row
-        .simulated
-        .iter()
-        .zip(row.predicted.iter().zip(&row.std))
-        .map(|(simulated, (predicted, std))| {
-            [*simulated, *predicted, predicted - REACH * std, predicted + REACH * std]
-                .map(|value| factor * value)
-        })
-        .collect();
+    let point = |(simulated, (predicted, std)): (&f64, (&f64, &f64))| {
+        [*simulated, *predicted, predicted - REACH * std, predicted + REACH * std].map(|value| factor * value)
+    };
+    let points: Vec<[f64; 4]> =
+        row.simulated.iter().zip(row.predicted.iter().zip(&row.std)).map(point).collect();
     let (low, high) = range(points.iter().flat_map(|[x, y, ..]| [*x, *y]));
     let margin = 0.05 * (high - low);
     let (low, high) = (low - margin, high + margin);
     let mut series =
         vec![Series::new("predicted = simulated", Ink::Muted, Shape::Line(vec![(low, low), (high, high)]))];
-    let threshold = unit.to_shown(row_threshold(state));
+    // That of the output, or of its distance from the middle between two thresholds.
+    let middle = state.middle();
+    let threshold =
+        unit.to_shown(if middle.is_some() { state.response_threshold() } else { state.threshold });
     if (low..=high).contains(&threshold) {
         series.push(Series::new("threshold", Ink::Limit, Shape::Level(threshold)));
         series.push(Series::unlisted("threshold of the simulated", Ink::Limit, Shape::Upright(threshold)));
     }
     let within = points.iter().filter(|[x, _, lower, upper]| (lower..=upper).contains(&x)).count();
     let all = points.len();
-    series.push(Series::new(
-        "prediction with 95 % interval",
-        ink_of(&input.summary, &row.limit_state),
-        Shape::Measured(points),
-    ));
+    let ink = ink_of(&input.summary, &row.limit_state);
+    series.push(Series::new("prediction with 95 % interval", ink, Shape::Measured(points)));
     let mut name = input.output_of(state);
-    if let Some(middle) = state.middle() {
-        name = format!("distance of {name} from {}", unit.after(&seven_digits(unit.to_shown(middle))));
+    if let Some(middle) = middle {
+        name = format!("distance of {name} from {}", exactly_with_unit(&unit, middle));
     }
     let labels = ["simulated", "predicted"].map(|which| unit.axis(&format!("{which} {name}")));
     let x = Axis::linear(&labels[0], (low, high));
@@ -111,11 +107,6 @@ fn predicted(input: &ReportInput, row: &PredictionRow, state: &LimitState) -> Fi
         percent(within as f64 / all as f64)
     );
     plot.figure(&capital(&format!("predicted against simulated {name}")), &caption)
-}
-
-/// Threshold of the values of a row: that of the output, or of its distance from the middle between two thresholds.
-fn row_threshold(state: &LimitState) -> f64 {
-    if state.middle().is_some() { state.response_threshold() } else { state.threshold }
 }
 
 /// Half width of the 95 % interval of R of the system over life, stacked by the shares of its parts in the variance; no figure for a study
@@ -153,11 +144,9 @@ pub fn numerical(input: &ReportInput) -> Vec<Figure> {
         return vec![];
     }
     let axis = LifeAxis::new(&input.summary);
-    let mut figures = Vec::new();
-    // Relative to a limit of zero an error has no size.
-    for state in input.scene.limit_states.iter().filter(|state| state.scale() != 0.0) {
-        let stated = input.stated.get(state.output).map_or(&[][..], Vec::as_slice);
-        let Some(last) = stated.last() else { continue };
+    let figure = |state: &LimitState| {
+        let stated = input.stated.get(state.output)?;
+        let last = stated.last()?;
         let of_limit = |error: f64| 100.0 * error.abs() / state.scale();
         let line = |error: fn(&StatedAt) -> f64| -> Points {
             stated.iter().map(|row| (axis.place(row.cycles), of_limit(error(row)))).collect()
@@ -175,9 +164,10 @@ pub fn numerical(input: &ReportInput) -> Vec<Figure> {
         let plot = Plot { figure: &name, x, y, series: &series };
         let caption = "Median and maximum over all simulations of the study, as a share of the limit state's threshold, or of half the distance \
                        between two.";
-        figures.push(plot.figure(&capital(&format!("stated error of {output}")), caption));
-    }
-    figures
+        Some(plot.figure(&capital(&format!("stated error of {output}")), caption))
+    };
+    // Relative to a limit of zero an error has no size.
+    input.scene.limit_states.iter().filter(|state| state.scale() != 0.0).filter_map(figure).collect()
 }
 
 #[cfg(test)]

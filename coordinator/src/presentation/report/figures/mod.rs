@@ -4,19 +4,15 @@ mod bores;
 mod cycle;
 mod influences;
 mod learning;
-mod loads;
 mod outputs;
-mod parallel;
 mod rates;
 mod reliability;
 
 pub use bores::{bores, lives_in_words, orbits};
-pub use cycle::{first_cycle, last_cycle};
-pub use influences::{rows_at_governing, sensitivities, variance_contributions};
+pub use cycle::{VaryingLoads, first_cycle, last_cycle};
+pub use influences::{parallel_coordinates, rows_at_governing, sensitivities, variance_contributions};
 pub use learning::{learning, numerical, parts_of_interval, predicted_against_simulated};
-pub use loads::VaryingLoads;
 pub use outputs::{distributions, histories};
-pub use parallel::parallel_coordinates;
 pub use rates::failure_rates;
 pub use reliability::{
     ComparedStudy, beginning, compared, curve, first_failure, reliability, shares_of_failures,

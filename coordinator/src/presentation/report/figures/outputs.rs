@@ -1,7 +1,9 @@
 //! Figures of the outputs: their distributions late in life, and their course over life.
 
 use super::{LifeAxis, capital, file_name, ink_of, range};
-use crate::presentation::report::format::{count, fixed, number_of_cycles, seven_digits, three_digits};
+use crate::presentation::report::format::{
+    count, exactly_with_unit, fixed, joined, number_of_cycles, three_digits,
+};
 use crate::presentation::report::life::governing;
 use crate::presentation::report::{
     Axis, Band, CheckpointDistribution, Figure, Ink, Plot, Points, ReportInput, Series, Shape,
@@ -16,7 +18,8 @@ pub fn distributions(input: &ReportInput) -> Vec<Figure> {
     drawn.map(|(state, shown)| distribution(input, state, &shown)).collect()
 }
 
-/// The distributions of one limit state's output with its threshold.
+/// The distributions of one limit state's output with its threshold; in the caption their origin, means and standard deviations, and the
+/// side of the threshold on which failure lies.
 fn distribution(input: &ReportInput, state: &LimitState, shown: &[&CheckpointDistribution]) -> Figure {
     let (output, unit) = (input.output_of(state), &input.unit_of(state));
     let thresholds: Vec<f64> = state.thresholds().into_iter().map(|si| unit.to_shown(si)).collect();
@@ -38,31 +41,21 @@ fn distribution(input: &ReportInput, state: &LimitState, shown: &[&CheckpointDis
     let labels = [unit.axis(&output), density(unit)];
     let x = Axis::linear(&labels[0], (low - margin, high + margin));
     let y = Axis::linear(&labels[1], (0.0, 1.08 * top));
-    let plot = Plot { figure: &name, x, y, series: &series };
     let late = format!("{output} late in life");
     let title = if is_static { format!("distribution of {output}") } else { late };
-    plot.figure(&capital(&title), &distribution_caption(input, state, shown))
-}
-
-/// Origin, means and standard deviations of the distributions, and the side of the threshold on which failure lies.
-fn distribution_caption(
-    input: &ReportInput,
-    state: &LimitState,
-    shown: &[&CheckpointDistribution],
-) -> String {
-    let unit = &input.unit_of(state);
     let moments = shown.iter().map(|distribution| {
         let [mean, std] = [distribution.mean, distribution.std].map(|si| moment(unit, si));
         format!("{mean} ± {} at {}", unit.after(&std), count(distribution.cycles.into()))
     });
-    format!(
+    let caption = format!(
         "{}. Mean ± standard deviation: {} {}. {} the {} has failed.",
         capital(&origin(&input.summary)),
-        moments.collect::<Vec<_>>().join(", "),
+        joined(moments, ", "),
         if shown.len() == 1 && shown[0].cycles == 1 { "cycle" } else { "cycles" },
         beyond(state, unit),
         input.subject()
-    )
+    );
+    Plot { figure: &name, x, y, series: &series }.figure(&capital(&title), &caption)
 }
 
 /// Lines at the thresholds of a limit state, ascending.
@@ -75,12 +68,13 @@ fn threshold_lines(state: &LimitState, unit: &OutputUnit, line: fn(f64) -> Shape
 
 /// Where failure lies, as the beginning of a sentence.
 fn beyond(state: &LimitState, unit: &OutputUnit) -> String {
-    let shown = |value: f64| unit.after(&seven_digits(unit.to_shown(value)));
-    let threshold = shown(state.threshold);
+    let threshold = exactly_with_unit(unit, state.threshold);
     match state.fails {
         Fails::Above => format!("Above the threshold of {threshold}"),
         Fails::Below => format!("Below the threshold of {threshold}"),
-        Fails::Outside { lower } => format!("Below {} and above {threshold}", shown(lower)),
+        Fails::Outside { lower } => {
+            format!("Below {} and above {threshold}", exactly_with_unit(unit, lower))
+        }
     }
 }
 
@@ -98,12 +92,9 @@ fn densities(distribution: &CheckpointDistribution, unit: &OutputUnit) -> Vec<(f
 /// A mean or standard deviation: with two decimals in a unit in which values are of the order of one to a hundred, else with three
 /// digits.
 fn moment(unit: &OutputUnit, value: f64) -> String {
+    use OutputUnit::{Angle, AngularVelocity, Force, Length, Torque};
     match unit {
-        OutputUnit::Length
-        | OutputUnit::AngularVelocity
-        | OutputUnit::Angle
-        | OutputUnit::Force
-        | OutputUnit::Torque => fixed(unit.to_shown(value), 2),
+        Length | AngularVelocity | Angle | Force | Torque => fixed(unit.to_shown(value), 2),
         other => three_digits(other.to_shown(value)),
     }
 }
@@ -163,7 +154,12 @@ fn history(input: &ReportInput, state: &LimitState, axis: &LifeAxis) -> Option<F
     let (low, high) = range(values.chain(thresholds.iter().copied()));
     let signed = thresholds[0] < 0.0 || nominal.iter().any(|p| p.1 < 0.0);
     let low = if low < 0.5 * high && !signed { 0.0 } else { low - 0.1 * (high - low) };
-    let caption = history_caption(input, !bands.is_empty());
+    let subject = input.subject();
+    let of_bands = format!("Bands: central 98 % and 50 % of {subject}s, {}. ", origin(&input.summary));
+    let of_bands = if bands.is_empty() { "" } else { of_bands.as_str() };
+    let profiles = "; each value belongs to the profile worn to that many cycles";
+    let profiles = if input.summary.of_mechanism() { profiles } else { "" };
+    let caption = format!("{of_bands}The nominal {subject} has every variable at its mean{profiles}.");
     let mut series = threshold_lines(state, unit, Shape::Level);
     let ink = ink_of(&input.summary, &state.name);
     // The inner band lies on the outer one.
@@ -178,15 +174,6 @@ fn history(input: &ReportInput, state: &LimitState, axis: &LifeAxis) -> Option<F
     let y = Axis::linear(&label, (low, high + 0.05 * (high - low)));
     let plot = Plot { figure: &name, x, y, series: &series };
     Some(plot.figure(&capital(&format!("{output} over life")), &caption))
-}
-
-fn history_caption(input: &ReportInput, with_bands: bool) -> String {
-    let subject = input.subject();
-    let bands = format!("Bands: central 98 % and 50 % of {subject}s, {}. ", origin(&input.summary));
-    let bands = if with_bands { bands.as_str() } else { "" };
-    let profiles = "; each value belongs to the profile worn to that many cycles";
-    let profiles = if input.summary.of_mechanism() { profiles } else { "" };
-    format!("{bands}The nominal {subject} has every variable at its mean{profiles}.")
 }
 
 /// Pairs of probabilities that bound a band.

@@ -27,21 +27,16 @@ pub fn failure_rates(summary: &StudySummary) -> Vec<Figure> {
     if summary.is_static() || summary.curves.is_empty() || !falls {
         return vec![];
     }
-    let curves: Vec<(&str, &LifeCurveRow)> = summary
-        .curve_names()
-        .filter_map(|name| Some((name, summary.curves.iter().find(|curve| curve.limit_state == name)?)))
-        .collect();
+    let curve = |name| Some((name, summary.curves.iter().find(|curve| curve.limit_state == name)?));
+    let curves: Vec<(&str, &LifeCurveRow)> = summary.curve_names().filter_map(curve).collect();
     let density = |curve: &SurvivalCurve, from: f64, to: f64| Some(PER * curve.rate(from, to).density);
     let hazard = |curve: &SurvivalCurve, from: f64, to: f64| {
         let rate = (curve.at(to) > FEW).then(|| curve.rate(from, to))?;
         rate.hazard.map(|h| PER * h)
     };
-    let mut figures = vec![
-        over_life(summary, &curves, ["failure-density", "Failure density"], density),
-        over_life(summary, &curves, ["hazard", "Hazard rate"], hazard),
-    ];
-    figures.extend(papers(summary, &curves));
-    figures
+    let density = over_life(summary, &curves, ["failure-density", "Failure density"], density);
+    let hazard = over_life(summary, &curves, ["hazard", "Hazard rate"], hazard);
+    [density, hazard].into_iter().chain(papers(summary, &curves)).collect()
 }
 
 /// A rate of failures between two lives of a curve, over life; with the `name` and the `title` of its figure.
@@ -62,9 +57,8 @@ fn over_life(
     let parts = INTERVALS.div_ceil(ends.len().saturating_sub(1).max(1));
     let within = |pair: &[f64], k: usize| pair[0] + (pair[1] - pair[0]) * k as f64 / parts as f64;
     let last = ends[ends.len() - 1];
-    let mut ends: Vec<f64> =
-        ends.windows(2).flat_map(|pair| (0..parts).map(move |k| within(pair, k))).collect();
-    ends.push(last);
+    let parted = ends.windows(2).flat_map(|pair| (0..parts).map(move |k| within(pair, k)));
+    let ends: Vec<f64> = parted.chain([last]).collect();
     let mut series = Vec::new();
     let mut most = 0.0f64;
     for (k, (name, row)) in curves.iter().enumerate() {
@@ -97,28 +91,23 @@ fn over_life(
     let label = format!("{} [1/1000 cycles]", title.to_lowercase());
     let x = Axis::linear(axis.label, span(summary, &axis));
     let y = Axis::linear(&label, (0.0, 1.05 * most.max(1e-12)));
+    let shown = "as means over the intervals shown";
     let what = if figure == "hazard" {
-        format!(
-            "Failures per 1000 cycles of those that still work, −d ln R/dn, as means over the intervals shown; not drawn where \
-             fewer than {} survive.",
-            percent(FEW)
-        )
+        let few = percent(FEW);
+        format!("of those that still work, −d ln R/dn, {shown}; not drawn where fewer than {few} survive")
     } else {
-        "Failures per 1000 cycles of all that began, −dR/dn, as means over the intervals shown.".to_owned()
+        format!("of all that began, −dR/dn, {shown}")
     };
-    let band =
-        format!("95 % interval of the whole {} with every error that the study states", summary.subject());
-    Plot { figure, x, y, series: &series }.figure(title, &format!("{what} Band: {band}."))
+    let caption = format!(
+        "Failures per 1000 cycles {what}. Band: 95 % interval of the whole {} with every error that the study states.",
+        summary.subject()
+    );
+    Plot { figure, x, y, series: &series }.figure(title, &caption)
 }
 
 /// Shares of failures between which the line is fitted, and drawn points [1].
 const FITTED: (f64, f64) = (0.01, 0.99);
 const DRAWN: (f64, f64) = (1e-4, 0.9999);
-
-/// The distribution that is a straight line on the paper with this scale of shares.
-fn word(scale: Scale) -> &'static str {
-    if scale == Scale::Weibull { "Weibull" } else { "lognormal" }
-}
 
 /// A straight line on a paper, y = slope (ln t - ln centre).
 ///
@@ -177,8 +166,8 @@ const B_LIVES: [(&str, f64); 3] = [("B1", 0.01), ("B10", 0.1), ("B50", 0.5)];
 
 /// Time at which a curve has fallen by this share [cycles].
 fn life_on(row: &LifeCurveRow, failed: f64) -> Option<f64> {
-    let k = row.reliability.iter().position(|r| 1.0 - r >= failed)?;
-    let (before, at) = (k.checked_sub(1)?, k);
+    let at = row.reliability.iter().position(|r| 1.0 - r >= failed)?;
+    let before = at.checked_sub(1)?;
     let share = |k: usize| 1.0 - row.reliability[k];
     let along = (failed - share(before)) / (share(at) - share(before));
     Some(row.cycles[before] + along * (row.cycles[at] - row.cycles[before])).filter(|life| *life > 0.0)
@@ -192,8 +181,7 @@ fn life_tick(power: f64) -> String {
 
 /// Both papers for these curves, the last of which is that of the whole system; none with fewer than three points.
 pub fn papers(summary: &StudySummary, curves: &[(&str, &LifeCurveRow)]) -> Vec<Figure> {
-    let scales = [Scale::Weibull, Scale::Normal].into_iter();
-    scales.filter_map(|scale| figure(scale, summary, curves)).collect()
+    [Scale::Weibull, Scale::Normal].into_iter().filter_map(|scale| figure(scale, summary, curves)).collect()
 }
 
 /// Points (t, F) of a curve with shares between two.
@@ -203,7 +191,11 @@ fn within((low, high): (f64, f64), row: &LifeCurveRow) -> Vec<(f64, f64)> {
 }
 
 fn figure(scale: Scale, summary: &StudySummary, curves: &[(&str, &LifeCurveRow)]) -> Option<Figure> {
-    let word = word(scale);
+    let (word, text, what): (_, fn(f64) -> String, _) = if scale == Scale::Weibull {
+        ("Weibull", |y| seven_digits(Scale::Weibull.value(y)), "ln(−ln(1 − F))")
+    } else {
+        ("lognormal", |y| seven_digits(Scale::Normal.value(y)), "the standard normal quantile of F")
+    };
     let on_paper = |points: &[(f64, f64)]| -> Points {
         points.iter().map(|(t, f)| (t.log10(), scale.of_share(*f))).collect()
     };
@@ -237,19 +229,12 @@ fn figure(scale: Scale, summary: &StudySummary, curves: &[(&str, &LifeCurveRow)]
     if all.len() < 3 {
         return None;
     }
-    let (text, what): (fn(f64) -> String, _) = if scale == Scale::Weibull {
-        (|y| seven_digits(Scale::Weibull.value(y)), "ln(−ln(1 − F))")
-    } else {
-        (|y| seven_digits(Scale::Normal.value(y)), "the standard normal quantile of F")
-    };
+    let lives = Axis::linear("life [cycles]", range(all.iter().map(|point| point.0)));
+    let shares = Axis::linear("failed F [%]", range(all.iter().map(|point| point.1)));
     let plot = Plot {
         figure: &format!("{}-paper", word.to_lowercase()),
-        x: Axis {
-            text: life_tick,
-            scale: Scale::Logarithm,
-            ..Axis::linear("life [cycles]", range(all.iter().map(|point| point.0)))
-        },
-        y: Axis { text, scale, ..Axis::linear("failed F [%]", range(all.iter().map(|point| point.1))) },
+        x: Axis { text: life_tick, scale: Scale::Logarithm, ..lives },
+        y: Axis { text, scale, ..shares },
         series: &series,
     };
     let caption = format!(

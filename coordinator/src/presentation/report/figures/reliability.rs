@@ -1,7 +1,7 @@
 //! Figures of the failures over life: R with its bands, the shares of first failures, and R of several studies.
 
 use super::{LifeAxis, file_name, ink_of, span, stacked};
-use crate::presentation::report::format::{number_of_cycles, percent};
+use crate::presentation::report::format::{joined, number_of_cycles, percent};
 use crate::presentation::report::life::{governing, rows_that_matter};
 use crate::presentation::report::{Axis, Band, Figure, Ink, Plot, Points, ReportInput, Series, Shape};
 use crate::results::life_summary::LifeCurveRow;
@@ -13,14 +13,9 @@ pub fn curve(summary: &StudySummary, name: &str, axis: &LifeAxis) -> (Points, Ba
     let Some(curve) = summary.curves.iter().find(|curve| curve.limit_state == name) else {
         return checkpoints(&summary.reliability, name, axis).into_iter().unzip();
     };
-    let points = along(summary, curve, axis, &curve.reliability);
-    (points, band(summary, curve, axis, curve.limits()))
-}
-
-/// The band between two limits of a curve, as (x, lower, upper).
-pub fn band(summary: &StudySummary, curve: &LifeCurveRow, axis: &LifeAxis, limits: [&[f64]; 2]) -> Band {
-    let [lower, upper] = limits.map(|limit| along(summary, curve, axis, limit));
-    lower.into_iter().zip(upper).map(|((x, lower), (_, upper))| (x, lower, upper)).collect()
+    let [lower, upper] = curve.limits().map(|limit| along(summary, curve, axis, limit));
+    let band = lower.into_iter().zip(upper).map(|((x, lower), (_, upper))| (x, lower, upper)).collect();
+    (along(summary, curve, axis, &curve.reliability), band)
 }
 
 /// Values of a curve at its own points and at the checkpoints, between which it is straight.
@@ -59,24 +54,6 @@ pub fn beginning(summary: &StudySummary, rows: &[ReliabilityRow]) -> Option<u32>
     Some(if failed { 0 } else { first.cycles })
 }
 
-/// Bands of all curves, `what` they are in the CSV, and before them the lines; that of the whole system is broken.
-pub fn curves_with_bands(
-    summary: &StudySummary,
-    axis: &LifeAxis,
-    what: &str,
-    band: impl Fn(&str) -> Band,
-) -> Vec<Series> {
-    let bands = summary.curve_names().map(|name| {
-        Series::unlisted(format!("{name}, {what}"), ink_of(summary, name), Shape::Band(band(name)))
-    });
-    let lines = summary.curve_names().map(|name| {
-        let points = curve(summary, name, axis).0;
-        let shape = if name == "total" { Shape::Dashed(points) } else { Shape::Line(points) };
-        Series::new(name, ink_of(summary, name), shape)
-    });
-    bands.chain(lines).collect()
-}
-
 /// Reliability over life per limit state and in total, with 95 % bands; the checkpoints as dots with error bars.
 pub fn reliability(summary: &StudySummary) -> Option<Figure> {
     let rows = rows_that_matter(summary, 1);
@@ -84,7 +61,15 @@ pub fn reliability(summary: &StudySummary) -> Option<Figure> {
         return None;
     }
     let axis = LifeAxis::new(summary);
-    let mut series = curves_with_bands(summary, &axis, "band", |name| curve(summary, name, &axis).1);
+    let (mut series, mut lines) = (Vec::new(), Vec::new());
+    for name in summary.curve_names() {
+        let ((points, band), ink) = (curve(summary, name, &axis), ink_of(summary, name));
+        series.push(Series::unlisted(format!("{name}, band"), ink, Shape::Band(band)));
+        // That of the whole system is broken.
+        let shape = if name == "total" { Shape::Dashed(points) } else { Shape::Line(points) };
+        lines.push(Series::new(name, ink, shape));
+    }
+    series.extend(lines);
     // Straight lines between checkpoints show these by their corners.
     for name in summary.curve_names().filter(|_| !summary.curves.is_empty()) {
         let measured = checkpoints(rows, name, &axis).into_iter();
@@ -94,10 +79,9 @@ pub fn reliability(summary: &StudySummary) -> Option<Figure> {
     }
     let x = Axis::linear(axis.label, span(summary, &axis));
     let caption = format!(
-        "Probability of no failure up to this life, per limit state and for the whole {}, which fails with its first limit \
-         state. Dots: checkpoints; lines between them: crossing times interpolated for every {}. Bands and bars: 95 % interval \
+        "Probability of no failure up to this life, per limit state and for the whole {0}, which fails with its first limit \
+         state. Dots: checkpoints; lines between them: crossing times interpolated for every {0}. Bands and bars: 95 % interval \
          of sampling, surrogate, interpolation and numerical error.",
-        summary.subject(),
         summary.subject()
     );
     Some(Plot::of_reliability("reliability", x, &series).figure("Reliability over life", &caption))
@@ -114,18 +98,14 @@ pub fn first_failure(input: &ReportInput) -> Option<Figure> {
         return None;
     }
     let axis = LifeAxis::new(summary);
-    let share = |name: &String| {
-        rows.iter().map(|row| row.first.get(name).copied().unwrap_or(0.0)).collect::<Vec<f64>>()
+    let layer = |name: &String| {
+        let shares: Vec<f64> = rows.iter().map(|row| row.first.get(name).copied().unwrap_or(0.0)).collect();
+        (format!("{name} first"), ink_of(summary, name), shares)
     };
-    let first = summary.limit_states.iter();
-    let mut layers: Vec<(String, Ink, Vec<f64>)> =
-        first.map(|name| (format!("{name} first"), ink_of(summary, name), share(name))).collect();
+    let mut layers: Vec<_> = summary.limit_states.iter().map(layer).collect();
     if rows.iter().any(|row| row.together > 0.0) {
-        layers.push((
-            "several at once".to_owned(),
-            Ink::Muted,
-            rows.iter().map(|row| row.together).collect(),
-        ));
+        let together = rows.iter().map(|row| row.together).collect();
+        layers.push(("several at once".to_owned(), Ink::Muted, together));
     }
     let places: Vec<f64> = rows.iter().map(|row| axis.place(row.cycles)).collect();
     let series = stacked(&places, layers);
@@ -137,29 +117,25 @@ pub fn first_failure(input: &ReportInput) -> Option<Figure> {
         "Stacked shares: limit state by which each {} failed first. Several at once: at the same interpolated time, or \
          between two checkpoints that do not resolve it.{}",
         summary.subject(),
-        shares.map_or(String::new(), |(cycles, shares)| format!(
-            " First causes of the failures up to {}: {}.",
-            number_of_cycles(cycles),
-            shares.join(", ")
-        ))
+        shares.map_or(String::new(), |(cycles, shares)| {
+            format!(" First causes of the failures up to {}: {shares}.", number_of_cycles(cycles))
+        })
     );
     Some(Plot { figure: "first-failure", x, y, series: &series }.figure("What fails first", &caption))
 }
 
 /// First causes of the failures up to a checkpoint, as shares of them, e.g. `53.4 % by wear`; `None` if nothing has
 /// failed.
-pub fn shares_of_failures(summary: &StudySummary, cycles: u32) -> Option<Vec<String>> {
+pub fn shares_of_failures(summary: &StudySummary, cycles: u32) -> Option<String> {
     let row = summary.first_failure.iter().find(|row| row.cycles == cycles)?;
     let all = row.first.values().sum::<f64>() + row.together;
     if all <= 0.0 {
         return None;
     }
     let by = |name: &String| Some(format!("{} by {name}", percent(row.first.get(name)? / all)));
-    let mut parts: Vec<String> = summary.limit_states.iter().filter_map(by).collect();
-    if row.together > 0.0 {
-        parts.push(format!("{} by several at once", percent(row.together / all)));
-    }
-    Some(parts)
+    let parts = summary.limit_states.iter().filter_map(by);
+    let at_once = (row.together > 0.0).then(|| format!("{} by several at once", percent(row.together / all)));
+    Some(joined(parts.chain(at_once), ", "))
 }
 
 /// A study to compare.

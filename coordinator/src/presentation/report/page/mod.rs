@@ -1,13 +1,10 @@
 //! A page as a value: a header, and below it text and chapters with their figures. It is written once it is complete: then figures and
-//! tables have numbers, and references to them are links.
-
-pub mod numbered;
-
-pub use numbered::FigureFiles;
+//! tables have numbers, and references to them are links. Until then content has marks.
 
 use super::figure::Figure;
 use super::palette;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
+use std::collections::BTreeMap;
 
 const STYLE: &str = include_str!("style.css");
 
@@ -77,7 +74,8 @@ impl Page {
     }
 
     /// Figures side by side in the columns of a class of the style sheet, as content that is to be added; empty for none.
-    pub fn draw(&mut self, drawn: Vec<Figure>, columns: &str) -> Markup {
+    pub fn draw(&mut self, drawn: impl IntoIterator<Item = Figure>, columns: &str) -> Markup {
+        let drawn: Vec<Figure> = drawn.into_iter().collect();
         let content = figures(&drawn, columns);
         self.figures.extend(drawn);
         content
@@ -137,7 +135,7 @@ impl Page {
             (self.body)
             @if let Some(appendix) = &self.appendix { details.appendix { summary { "Appendix" } (appendix) } }
         };
-        let body = PreEscaped(numbered::resolve(&body.0, self.files));
+        let body = PreEscaped(resolve(&body.0, self.files));
         let page = html! {
             (DOCTYPE) "\n"
             html lang="en" data-revision=[live.map(|live| live.revision)] {
@@ -193,14 +191,14 @@ fn figure(figure: &Figure, controls: Option<Markup>) -> Markup {
     let drawing = &figure.drawing;
     html! {
         figure id=(figure.name) class=[controls.as_ref().map(|_| "moving")] {
-            h3 { (figure.title) (numbered::mark("files", &figure.name)) }
+            h3 { (figure.title) (mark("files", &figure.name)) }
             // An element of a page needs no namespace.
             svg viewBox=(drawing.view) font-family=[drawing.letters.map(|_| "sans-serif")] font-size=[drawing.letters]
                 data-axes=[&drawing.axes] role="img" aria-label=(figure.title) {
                 (PreEscaped(&drawing.content))
             }
             @if let Some(controls) = controls { div.controls hidden="" { (controls) } }
-            figcaption { strong { (numbered::mark("Figure", &figure.name)) "." } " " (figure.caption) }
+            figcaption { strong { (mark("Figure", &figure.name)) "." } " " (figure.caption) }
         }
     }
 }
@@ -209,7 +207,7 @@ fn figure(figure: &Figure, controls: Option<Markup>) -> Markup {
 pub fn captioned(name: &str, title: &str, table: Markup) -> Markup {
     html! {
         div.titled id=(format!("table-{name}")) {
-            p.caption { strong { (numbered::mark("Table", name)) "." } " " (title) }
+            p.caption { strong { (mark("Table", name)) "." } " " (title) }
             (table)
         }
     }
@@ -218,6 +216,68 @@ pub fn captioned(name: &str, title: &str, table: Markup) -> Markup {
 /// Content that unfolds on a click.
 pub fn details(title: &str, content: Markup) -> Markup {
     html! { details { summary { (title) } (content) } }
+}
+
+/// Begin and end of a mark: that of a comment, which no escaped text contains.
+const MARK: [&str; 2] = ["<!--", "-->"];
+
+/// Files of the figures that a page refers to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FigureFiles {
+    /// `figures/NAME.svg` and `figures/NAME.csv` stand next to the page.
+    NextToPage,
+    /// The page stands alone.
+    Absent,
+}
+
+pub fn mark(kind: &str, name: &str) -> Markup {
+    let [begin, end] = MARK;
+    PreEscaped(format!("{begin}{kind} {name}{end}"))
+}
+
+/// A link to a table by its number, e.g. `Table 2`.
+pub fn refer_table(name: &str) -> Markup {
+    mark("see-table", name)
+}
+
+/// The mark at the beginning of `piece`, as (kind, name), and what follows it.
+fn taken(piece: &str) -> ((&str, &str), &str) {
+    let (mark, after) = piece.split_once(MARK[1]).unwrap_or_default();
+    (mark.split_once(' ').unwrap_or_default(), after)
+}
+
+/// The body of a page with numbers and links instead of marks. A reference to what the page does not have is its name alone.
+pub fn resolve(body: &str, with: FigureFiles) -> String {
+    let mut pieces = body.split(MARK[0]);
+    let text = pieces.next().unwrap_or_default();
+    let marked: Vec<((&str, &str), &str)> = pieces.map(taken).collect();
+    let numbers = |kind: &str| -> BTreeMap<&str, usize> {
+        let own = marked.iter().filter(|((of, _), _)| *of == kind);
+        own.enumerate().map(|(k, ((_, name), _))| (*name, k + 1)).collect()
+    };
+    let (figures, tables) = (numbers("Figure"), numbers("Table"));
+    let link = |number: Option<&usize>, word: &str, target: &str, name: &str| match number {
+        Some(number) => html! { a href=(format!("#{target}{name}")) { (word) " " (number) } },
+        None => html! { (name) },
+    };
+    let mut page = text.to_owned();
+    for ((kind, name), text) in marked {
+        page += &match kind {
+            "Figure" => html! { "Figure " (figures[name]) },
+            "Table" => html! { "Table " (tables[name]) },
+            "see-figure" => link(figures.get(name), "Figure", "", name),
+            "see-table" => link(tables.get(name), "Table", "table-", name),
+            "files" if with == FigureFiles::NextToPage => html! {
+                span.files {
+                    " " a href=(format!("figures/{name}.svg")) { "SVG" } " " a href=(format!("figures/{name}.csv")) { "CSV" }
+                }
+            },
+            _ => html! {},
+        }
+        .0;
+        page += text;
+    }
+    page
 }
 
 #[cfg(test)]
@@ -241,5 +301,27 @@ mod tests {
         ] {
             assert!(text.contains(said), "{said} in {text}");
         }
+    }
+
+    #[test]
+    fn numbers_follow_the_page_and_references_find_them() {
+        let body = html! {
+            p { "See " (mark("see-figure", "b")) ", " (refer_table("t")) " and " (mark("see-figure", "lost")) "." }
+            (mark("Figure", "a")) (mark("files", "a")) (mark("Figure", "b")) (mark("Table", "t"))
+        };
+        let page = resolve(&body.0, FigureFiles::NextToPage);
+        for said in [
+            "See <a href=\"#b\">Figure 2</a>, <a href=\"#table-t\">Table 1</a> and lost.",
+            "Figure 1<span class=\"files\"> <a href=\"figures/a.svg\">SVG</a>",
+        ] {
+            assert!(page.contains(said), "{said} in {page}");
+        }
+        assert!(!page.contains(MARK[0]) && !page.contains(MARK[1]));
+        assert!(!resolve(&body.0, FigureFiles::Absent).contains("figures/"));
+    }
+
+    #[test]
+    fn a_page_without_marks_keeps_its_text() {
+        assert_eq!(resolve("<p>a \u{b1} b</p>", FigureFiles::Absent), "<p>a \u{b1} b</p>");
     }
 }

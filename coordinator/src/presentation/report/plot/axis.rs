@@ -144,11 +144,9 @@ fn round_values(low: f64, high: f64, count: f64) -> Vec<f64> {
     }
     let rough = width / count;
     let power = 10f64.powf(rough.log10().floor());
-    let step = [1.0, 2.0, 5.0, 10.0]
-        .map(|factor| factor * power)
-        .into_iter()
-        .min_by(|a, b| (a / rough).ln().abs().total_cmp(&(b / rough).ln().abs()))
-        .unwrap_or(power);
+    let steps = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * power).into_iter();
+    let off = |step: &f64| (step / rough).ln().abs();
+    let step = steps.min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(power);
     // The ends are ticks in spite of their rounding.
     let (first, last) = ((low / step - 1e-6).ceil() as i64, (high / step + 1e-6).floor() as i64);
     (first..=last).map(|k| (k as f64 * step).clamp(low, high)).collect()

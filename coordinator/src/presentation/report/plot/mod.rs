@@ -38,9 +38,7 @@ impl<'a> Plot<'a> {
     pub fn of_reliability(figure: &'a str, x: Axis<'a>, series: &'a [Series]) -> Self {
         Self { figure, x, y: Axis::linear("reliability R", (0.0, 1.0)), series }
     }
-}
 
-impl Plot<'_> {
     /// The chart with its numbers as CSV.
     pub fn figure(&self, title: &str, caption: &str) -> Figure {
         let [name, title, caption] = [self.figure, title, caption].map(str::to_owned);
@@ -52,7 +50,9 @@ impl Plot<'_> {
     /// horizontal axis; values are clamped to the vertical range.
     pub fn drawing(&self) -> Drawing {
         let legend = legend(self.series);
-        let height = self.plot_height() + 20.0 * legend.rows as f64 + AROUND;
+        // Room for the label of the vertical axis.
+        let plot = (LETTER_WIDTH * self.y.label.chars().count() as f64).max(230.0);
+        let height = plot + 20.0 * legend.rows as f64 + AROUND;
         let mut axes = None;
         let drawing = draw(height, |root| {
             axes = Some(self.axes(&self.draw_on(root, &legend)?));
@@ -71,17 +71,9 @@ impl Plot<'_> {
         };
         let names: std::collections::BTreeMap<String, &str> =
             self.series.iter().rev().map(|series| (series.ink.hex(), series.label.as_str())).collect();
-        let about = serde_json::json!({
-            "x": axis(&self.x, (across.start, across.end), frame.x),
-            "y": axis(&self.y, (down.end, down.start), frame.y),
-            "names": names,
-        });
-        about.to_string()
-    }
-
-    /// Height of the plot itself, with room for the label of the vertical axis [CSS pixels].
-    fn plot_height(&self) -> f64 {
-        (LETTER_WIDTH * self.y.label.chars().count() as f64).max(230.0)
+        let x = axis(&self.x, (across.start, across.end), frame.x);
+        let y = axis(&self.y, (down.end, down.start), frame.y);
+        serde_json::json!({ "x": x, "y": y, "names": names }).to_string()
     }
 
     /// Width of the label and the ticks of the vertical axis [CSS pixels].

@@ -1,8 +1,9 @@
 //! The series of a chart, and their numbers as CSV.
 
 use super::axis::Axis;
+use crate::presentation::report::figure;
 use crate::presentation::report::palette::Ink;
-use crate::results::csv_table::{CsvTable, number};
+use crate::results::csv_table::number;
 
 /// Points of a curve.
 pub type Points = Vec<(f64, f64)>;
@@ -14,19 +15,19 @@ pub type Band = Vec<(f64, f64, f64)>;
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
     /// Straight lines from point to point.
-    Line(Vec<(f64, f64)>),
+    Line(Points),
     /// Dashed straight lines from point to point.
-    Dashed(Vec<(f64, f64)>),
+    Dashed(Points),
     /// Lines with a dot at each point.
-    Dotted(Vec<(f64, f64)>),
+    Dotted(Points),
     /// Dots without lines, each with a word next to it (none if empty).
     Marked(Vec<((f64, f64), String)>),
     /// Small dots without lines.
-    Cloud(Vec<(f64, f64)>),
+    Cloud(Points),
     /// Dots with vertical error bars: [x, y, lower, upper].
     Measured(Vec<[f64; 4]>),
     /// Area between a lower and an upper value: (x, lower, upper).
-    Band(Vec<(f64, f64, f64)>),
+    Band(Band),
     /// Bars side by side from zero: (left, right, height).
     Steps(Vec<(f64, f64, f64)>),
     /// A horizontal line over the whole width.
@@ -61,11 +62,9 @@ impl Series {
 
     /// A series without an entry in the legend.
     pub fn unlisted(label: impl Into<String>, ink: Ink, shape: Shape) -> Self {
-        Self { label: label.into(), listed: false, ink, fill: FILL, shape }
+        Self { listed: false, ..Self::new(label, ink, shape) }
     }
-}
 
-impl Series {
     /// This series with an area of the opacity `fill` [1].
     #[must_use]
     pub fn filled(self, fill: f64) -> Self {
@@ -88,10 +87,11 @@ fn rows(shape: &Shape) -> Vec<CsvRow<'_>> {
         Shape::Band(points) => {
             points.iter().map(|(x, low, high)| ([Some(*x), Some(*low), Some(*high), None], "")).collect()
         }
-        Shape::Steps(bars) => bars
-            .iter()
-            .map(|(left, right, height)| ([Some(*left), Some(*height), None, Some(*right)], ""))
-            .collect(),
+        Shape::Steps(bars) => {
+            let row =
+                |(left, right, height): &(f64, f64, f64)| [Some(*left), Some(*height), None, Some(*right)];
+            bars.iter().map(|bar| (row(bar), "")).collect()
+        }
         Shape::Level(y) => vec![([None, Some(*y), None, None], "")],
         Shape::Upright(x) => vec![([Some(*x), None, None, None], "")],
     }
@@ -112,15 +112,16 @@ pub(super) fn csv(series: &[Series], x: &Axis<'_>, y: &Axis<'_>) -> String {
     let has_marks = rows.iter().any(|(_, (_, mark))| !mark.is_empty());
     let mut head = vec!["series"];
     head.extend(used.iter().map(|k| columns[*k].as_str()).chain(has_marks.then_some("mark")));
-    let mut table = CsvTable::new(&head);
     let scales = [x, y, y, x].map(|axis| axis.scale);
-    for (label, (numbers, mark)) in rows {
-        let value = |k: &usize| numbers[*k].map_or(String::new(), |drawn| number(scales[*k].value(drawn)));
-        let mut cells = vec![label.to_owned()];
-        cells.extend(used.iter().map(value).chain(has_marks.then(|| mark.to_owned())));
-        table.push(&cells);
-    }
-    table.into_text()
+    figure::csv(
+        &head,
+        rows.iter().map(|(label, (numbers, mark))| {
+            let value =
+                |k: &usize| numbers[*k].map_or(String::new(), |drawn| number(scales[*k].value(drawn)));
+            let numbers: Vec<String> = used.iter().map(value).collect();
+            [(*label).to_owned()].into_iter().chain(numbers).chain(has_marks.then(|| (*mark).to_owned()))
+        }),
+    )
 }
 
 #[cfg(test)]

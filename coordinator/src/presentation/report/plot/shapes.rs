@@ -27,12 +27,10 @@ impl Frame {
     }
 
     /// The finite points within the horizontal range, their vertical coordinates clamped to the vertical range.
-    fn inside(&self, points: &[(f64, f64)]) -> Points {
-        points
-            .iter()
-            .filter(|(x, y)| x.is_finite() && y.is_finite() && *x >= self.x.0 && *x <= self.x.1)
-            .map(|(x, y)| (*x, y.clamp(self.y.0, self.y.1)))
-            .collect()
+    fn inside(&self, points: impl IntoIterator<Item = (f64, f64)>) -> Points {
+        let is_inside =
+            |(x, y): &(f64, f64)| x.is_finite() && y.is_finite() && *x >= self.x.0 && *x <= self.x.1;
+        points.into_iter().filter(is_inside).map(|(x, y)| (x, y.clamp(self.y.0, self.y.1))).collect()
     }
 }
 
@@ -48,51 +46,49 @@ impl SeriesPainter<'_, '_, '_> {
     pub fn draw(&mut self) -> Result<(), DrawError> {
         let (frame, ink) = (self.frame, self.series.ink);
         match &self.series.shape {
-            Shape::Line(points) => self.line(frame.inside(points), 2.0),
-            Shape::Dashed(points) => self.dashed(points, CURVE_DASH, 2.0),
+            Shape::Line(points) => self.line(points.clone(), 2.0),
+            Shape::Dashed(points) => self.dashed(points.clone(), CURVE_DASH, 2.0),
             Shape::Dotted(points) => {
-                self.line(frame.inside(points), 1.5)?;
-                self.dots(frame.inside(points), 3.0)
+                self.line(points.clone(), 1.5)?;
+                self.dots(points.clone(), 3.0)
             }
             Shape::Marked(marks) => self.marks(marks, ink),
             Shape::Measured(points) => self.measured(points),
-            Shape::Cloud(points) => self.dots(frame.inside(points), 1.8),
+            Shape::Cloud(points) => self.dots(points.clone(), 1.8),
             Shape::Band(band) => {
-                let lower: Points = band.iter().map(|(x, low, _)| (*x, *low)).collect();
-                let upper: Points = band.iter().map(|(x, _, high)| (*x, *high)).collect();
-                let mut outline = frame.inside(&lower);
-                outline.extend(frame.inside(&upper).into_iter().rev());
-                self.area(outline)
+                let mut outline: Points = band.iter().map(|(x, low, _)| (*x, *low)).collect();
+                outline.extend(band.iter().rev().map(|(x, _, high)| (*x, *high)));
+                self.area(&frame.inside(outline))
             }
             Shape::Steps(bars) => self.steps(bars),
-            Shape::Level(y) => self.dashed(&[(frame.x.0, *y), (frame.x.1, *y)], THRESHOLD_DASH, 1.5),
-            Shape::Upright(x) => self.dashed(&[(*x, frame.y.0), (*x, frame.y.1)], THRESHOLD_DASH, 1.5),
+            Shape::Level(y) => self.dashed(vec![(frame.x.0, *y), (frame.x.1, *y)], THRESHOLD_DASH, 1.5),
+            Shape::Upright(x) => self.dashed(vec![(*x, frame.y.0), (*x, frame.y.1)], THRESHOLD_DASH, 1.5),
         }
     }
 
     fn line(&mut self, points: Points, width: f64) -> Result<(), DrawError> {
-        self.chart.draw_series(LineSeries::new(points, stroke(self.series.ink, width))).map(|_| ())
+        let (points, pen) = (self.frame.inside(points), stroke(self.series.ink, width));
+        self.chart.draw_series(LineSeries::new(points, pen)).map(|_| ())
     }
 
-    fn dashed(&mut self, points: &[(f64, f64)], dash: (f64, f64), width: f64) -> Result<(), DrawError> {
+    fn dashed(&mut self, points: Points, dash: (f64, f64), width: f64) -> Result<(), DrawError> {
         let (points, pen) = (self.frame.inside(points), stroke(self.series.ink, width));
         self.chart.draw_series(DashedLineSeries::new(points, px(dash.0), px(dash.1), pen)).map(|_| ())
     }
 
     fn dots(&mut self, points: Points, radius: f64) -> Result<(), DrawError> {
         let dot = |centre| Circle::new(centre, px(radius), self.series.ink.rgb().filled());
-        self.chart.draw_series(points.into_iter().map(dot)).map(|_| ())
+        self.chart.draw_series(self.frame.inside(points).into_iter().map(dot)).map(|_| ())
     }
 
     /// Dots with a word next to each.
     fn marks(&mut self, marks: &[((f64, f64), String)], ink: Ink) -> Result<(), DrawError> {
         let frame = self.frame;
-        let points: Points = marks.iter().map(|(point, _)| *point).collect();
-        self.dots(frame.inside(&points), 3.0)?;
+        self.dots(marks.iter().map(|(point, _)| *point).collect(), 3.0)?;
         let words = marks.iter().filter(|(_, word)| !word.is_empty());
         let labels = words.flat_map(|(point, word)| {
             let offset = (px(6.0), -px(LETTERS));
-            frame.inside(&[*point]).into_iter().map(move |place| {
+            frame.inside([*point]).into_iter().map(move |place| {
                 EmptyElement::at(place) + Text::new(word.clone(), offset, letters(LETTERS, ink))
             })
         });
@@ -102,18 +98,18 @@ impl SeriesPainter<'_, '_, '_> {
     /// Dots with vertical error bars, smaller the more there are.
     fn measured(&mut self, points: &[[f64; 4]]) -> Result<(), DrawError> {
         for [x, _, lower, upper] in points {
-            self.line(self.frame.inside(&[(*x, *lower), (*x, *upper)]), 1.2)?;
+            self.line(vec![(*x, *lower), (*x, *upper)], 1.2)?;
         }
-        let centres: Points = points.iter().map(|[x, y, _, _]| (*x, *y)).collect();
-        let centres = self.frame.inside(&centres);
+        let centres = self.frame.inside(points.iter().map(|[x, y, ..]| (*x, *y)));
         let radius = if centres.len() > 30 { 1.8 } else { 2.8 };
         self.dots(centres, radius)
     }
 
     /// The area within an outline.
-    fn area(&mut self, outline: Points) -> Result<(), DrawError> {
+    fn area(&mut self, outline: &Points) -> Result<(), DrawError> {
         if outline.len() > 2 {
-            self.chart.draw_series([Polygon::new(outline, self.series.ink.rgb().mix(self.series.fill))])?;
+            let fill = self.series.ink.rgb().mix(self.series.fill);
+            self.chart.draw_series([Polygon::new(outline.clone(), fill)])?;
         }
         Ok(())
     }
@@ -121,11 +117,10 @@ impl SeriesPainter<'_, '_, '_> {
     /// The outline of bars side by side from zero, filled.
     fn steps(&mut self, bars: &[(f64, f64, f64)]) -> Result<(), DrawError> {
         let (Some(first), Some(last)) = (bars.first(), bars.last()) else { return Ok(()) };
-        let mut outline = vec![(first.0, 0.0)];
-        outline.extend(bars.iter().flat_map(|(left, right, height)| [(*left, *height), (*right, *height)]));
-        outline.push((last.1, 0.0));
-        let outline = self.frame.inside(&outline);
-        self.area(outline.clone())?;
+        let tops = bars.iter().flat_map(|(left, right, height)| [(*left, *height), (*right, *height)]);
+        let outline = [(first.0, 0.0)].into_iter().chain(tops).chain([(last.1, 0.0)]);
+        let outline = self.frame.inside(outline);
+        self.area(&outline)?;
         if outline.len() > 2 { self.line(outline, 1.5) } else { Ok(()) }
     }
 }
@@ -156,7 +151,6 @@ impl Legend<'_> {
     pub fn draw_on(&self, root: &Area<'_>) -> Result<(), DrawError> {
         for (x, row, series) in &self.entries {
             let y = 15.0 + 20.0 * *row as f64;
-            let ends = [(px(*x), px(y)), (px(x + 18.0), px(y))];
             match series.shape {
                 Shape::Band(_) | Shape::Steps(_) => {
                     let corners = [(px(*x), px(y - 5.0)), (px(x + 18.0), px(y + 5.0))];
@@ -173,14 +167,12 @@ impl Legend<'_> {
                     root.draw(&Circle::new((px(x + 9.0), px(y)), px(3.0), series.ink.rgb().filled()))?;
                 }
                 Shape::Line(_) | Shape::Dotted(_) => {
+                    let ends = [(px(*x), px(y)), (px(x + 18.0), px(y))];
                     root.draw(&PathElement::new(ends, stroke(series.ink, 2.5)))?;
                 }
             }
-            root.draw(&Text::new(
-                series.label.clone(),
-                (px(x + 23.0), px(y - 0.5 * LETTERS)),
-                letters(LETTERS, Ink::Ink),
-            ))?;
+            let place = (px(x + 23.0), px(y - 0.5 * LETTERS));
+            root.draw(&Text::new(series.label.clone(), place, letters(LETTERS, Ink::Ink)))?;
         }
         Ok(())
     }

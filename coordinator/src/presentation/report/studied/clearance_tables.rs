@@ -12,30 +12,23 @@ use maud::{Markup, html};
 
 /// Guides with clearance, with what is modelled of them; nothing without any.
 pub(super) fn guides(scene: &Scene, written: &WrittenScene) -> Markup {
-    let texts = ExactTexts(written);
     let rows = scene.joints.iter().filter_map(|joint| {
         let JointKind::Guide(guide) = &joint.kind else { return None };
-        let key = |last: &str| format!("joints.{}.{last}", joint.name);
-        let length = |last: &str, value: f64| texts.value(&key(last), value, "mm");
+        let texts = ExactTexts::below(written, format!("joints.{}", joint.name));
+        let length = |last: &str, value: f64| texts.value(last, value, "mm");
+        let [start, end] = guide.reach;
         Some([
             ("guide", joint.name.clone()),
-            ("direction", texts.value(&key("axis"), guide.axis, "deg")),
-            ("turned by", texts.value(&key("angle"), guide.angle, "deg")),
+            ("direction", texts.value("axis", guide.axis, "deg")),
+            ("turned by", texts.value("angle", guide.angle, "deg")),
             ("length", length("length", guide.length)),
             ("height", length("height", guide.height)),
             ("width", length("width", guide.width)),
             ("clearance", length("clearance", guide.clearance)),
-            (
-                "from end to end",
-                format!(
-                    "{} to {}",
-                    length("guide_start", guide.reach[0]),
-                    length("guide_end", guide.reach[1])
-                ),
-            ),
-            ("friction", texts.number(&key("friction"), guide.friction)),
-            ("friction speed", texts.value(&key("friction_speed"), guide.friction_speed, "mm/s")),
-            ("damping of the contact", damping(&guide.contact_damping, &texts, &key("contact_damping"))),
+            ("from end to end", format!("{} to {}", length("guide_start", start), length("guide_end", end))),
+            ("friction", texts.number("friction", guide.friction)),
+            ("friction speed", texts.value("friction_speed", guide.friction_speed, "mm/s")),
+            ("damping of the contact", damping(&guide.contact_damping, &texts)),
         ])
     });
     let title = "Guides with clearance: length and height of the slider, width of the contact, clearance on each side; ends of the guide from its \
@@ -45,11 +38,10 @@ pub(super) fn guides(scene: &Scene, written: &WrittenScene) -> Markup {
 
 /// Wear coefficients of the guides with clearance that wear and of their sliders, and their control points; nothing without any.
 pub(super) fn guide_wear(scene: &Scene, written: &WrittenScene) -> Markup {
-    let texts = ExactTexts(written);
     let rows = scene.joints.iter().filter_map(|joint| {
         let JointKind::Guide(GuideClearance { wear: Some(wear), .. }) = &joint.kind else { return None };
-        let value =
-            |last: &str, value: f64| texts.value(&format!("joints.{}.{last}", joint.name), value, "1/Pa");
+        let texts = ExactTexts::below(written, format!("joints.{}", joint.name));
+        let value = |last: &str, value: f64| texts.value(last, value, "1/Pa");
         let own = value("wear_coefficient", wear.coefficient);
         let of_slider = wear.slider_coefficient.map(|of_slider| value("slider_wear_coefficient", of_slider));
         let [guide, slider] = match wear.wears {
@@ -71,31 +63,21 @@ pub(super) fn guide_wear(scene: &Scene, written: &WrittenScene) -> Markup {
 
 /// Hinges with clearance, with what is modelled of them.
 pub(super) fn hinges(scene: &Scene, written: &WrittenScene) -> Markup {
-    let texts = ExactTexts(written);
     let rows = scene.joints.iter().filter_map(|joint| {
         let JointKind::Clearance(clearance) = &joint.kind else { return None };
-        let name = joint.name.as_str();
-        let key = |last: &str| format!("joints.{name}.{last}");
+        let texts = ExactTexts::below(written, format!("joints.{}", joint.name));
+        let length = |last: &str, value: f64| texts.value(last, value, "mm");
+        let coefficient = |last: &str, value: f64| texts.value(last, value, "1/Pa");
         // One of the two follows from the other and the radius of the journal.
-        let stated = |last: &str| written.quantity(&key(last)).is_some();
-        let by_clearance = stated("radial_clearance");
-        let following = |text: String, follows: bool| if follows { format!("({text})") } else { text };
-        let radial = match by_clearance {
-            true => texts.value(
-                &key("radial_clearance"),
-                nominal_clearance(scene, written, name, clearance),
-                "um",
-            ),
-            false => texts.rounded(clearance.radial_clearance(), "µm"),
+        let (radial, radius) = if written.quantity(&texts.key("radial_clearance")).is_some() {
+            let radial = nominal_clearance(scene, &texts, clearance);
+            let radius = format!("({})", texts.rounded(clearance.bushing_radius, "mm"));
+            (texts.value("radial_clearance", radial, "um").replace("um", "µm"), radius)
+        } else {
+            let radial = texts.rounded(clearance.radial_clearance(), "µm").replace("um", "µm");
+            (format!("({radial})"), length("bushing_radius", clearance.bushing_radius))
         };
-        let radius = match by_clearance {
-            true => texts.rounded(clearance.bushing_radius, "mm"),
-            false => texts.value(&key("bushing_radius"), clearance.bushing_radius, "mm"),
-        };
-        let wall = clearance
-            .wall
-            .map_or(String::new(), |wall| format!("; wall {}", texts.value(&key("wall"), wall, "mm")));
-        let coefficient = |last: &str, value: f64| texts.value(&key(last), value, "1/Pa");
+        let wall = clearance.wall.map_or(String::new(), |wall| format!("; wall {}", length("wall", wall)));
         let wear = coefficient("wear_coefficient", clearance.wear_coefficient);
         let wear = match (clearance.wears, clearance.journal_wear_coefficient) {
             (WearingSurfaces::Bushing, _) => wear,
@@ -105,25 +87,22 @@ pub(super) fn hinges(scene: &Scene, written: &WrittenScene) -> Markup {
                 format!("{wear}; journal {}", coefficient("journal_wear_coefficient", journal))
             }
         };
-        let law = clearance.contact_law.name();
-        let damping = damping(&clearance.contact_damping, &texts, &key("contact_damping"));
+        let control_points = match clearance.control_points {
+            ControlPoints::Number(number) => number.to_string(),
+            ControlPoints::ByArc => "by the contact arc".to_owned(),
+        };
+        let (law, damping) = (clearance.contact_law.word(), damping(&clearance.contact_damping, &texts));
         Some([
-            ("hinge", name.to_owned()),
-            ("journal radius", texts.value(&key("journal_radius"), clearance.journal_radius, "mm")),
-            ("radial clearance", following(radial.replace("um", "µm"), !by_clearance)),
-            ("bushing radius", following(radius, by_clearance)),
-            ("width", texts.value(&key("width"), clearance.width, "mm")),
+            ("hinge", joint.name.clone()),
+            ("journal radius", length("journal_radius", clearance.journal_radius)),
+            ("radial clearance", radial),
+            ("bushing radius", radius),
+            ("width", length("width", clearance.width)),
             ("wear coefficient", wear),
-            ("friction", texts.number(&key("friction"), clearance.friction)),
-            ("friction speed", texts.value(&key("friction_speed"), clearance.friction_speed, "mm/s")),
-            ("film damping", texts.value(&key("film_damping"), clearance.film_damping, "N s/m")),
-            (
-                "control points",
-                match clearance.control_points {
-                    ControlPoints::Number(number) => number.to_string(),
-                    ControlPoints::ByArc => "by the contact arc".to_owned(),
-                },
-            ),
+            ("friction", texts.number("friction", clearance.friction)),
+            ("friction speed", texts.value("friction_speed", clearance.friction_speed, "mm/s")),
+            ("film damping", texts.value("film_damping", clearance.film_damping, "N s/m")),
+            ("control points", control_points),
             ("law and damping of the contact", format!("{law}; {damping}{wall}")),
         ])
     });
@@ -133,24 +112,23 @@ pub(super) fn hinges(scene: &Scene, written: &WrittenScene) -> Markup {
 }
 
 /// The radial clearance of a hinge that states one: the mean of a variable that sets it, else what is written.
-fn nominal_clearance(scene: &Scene, written: &WrittenScene, joint: &str, clearance: &Clearance) -> f64 {
-    let key = format!("joints.{joint}.radial_clearance");
+fn nominal_clearance(scene: &Scene, texts: &ExactTexts<'_>, clearance: &Clearance) -> f64 {
+    let key = texts.key("radial_clearance");
     let variable = scene.variables.iter().find(|variable| variable.changes.contains(&key));
     let mean = variable.map(|variable| variable.distribution.parent_mean());
-    mean.or(written.quantity(&key)).unwrap_or(clearance.radial_clearance())
+    mean.or(texts.written.quantity(&key)).unwrap_or(clearance.radial_clearance())
 }
 
-fn damping(damping: &ContactDamping, texts: &ExactTexts<'_>, key: &str) -> String {
+fn damping(damping: &ContactDamping, texts: &ExactTexts<'_>) -> String {
     match damping {
         ContactDamping::None => "none".to_owned(),
         ContactDamping::HuntCrossley { factor } => {
-            format!("hunt-crossley, {}", texts.value(&format!("{key}.hunt_crossley"), *factor, "s/m"))
+            format!("hunt-crossley, {}", texts.value("contact_damping.hunt_crossley", *factor, "s/m"))
         }
         ContactDamping::Restitution { law, coefficient, least_speed } => {
-            let law = law.word();
-            let e = texts.number(&format!("{key}.restitution"), *coefficient);
-            let least = texts.value(&format!("{key}.least_speed"), *least_speed, "mm/s");
-            format!("{law}, e = {e}, approach at least {least}")
+            let e = texts.number("contact_damping.restitution", *coefficient);
+            let least = texts.value("contact_damping.least_speed", *least_speed, "mm/s");
+            format!("{}, e = {e}, approach at least {least}", law.word())
         }
     }
 }
@@ -197,16 +175,15 @@ pub(super) fn materials(scene: &Scene, written: &WrittenScene) -> Markup {
     if used.is_empty() {
         return html! {};
     }
-    let texts = ExactTexts(written);
     let shown: Vec<usize> =
         (0..PARTS.len()).filter(|part| used.iter().any(|one| !one.joints[*part].is_empty())).collect();
     let rows = used.iter().map(|one| {
-        let key = |last: &str| format!("materials.{}.{last}", one.name);
+        let texts = ExactTexts::below(written, format!("materials.{}", one.name));
         let or_dash = |text: String| if text.is_empty() { UNKNOWN.to_owned() } else { text };
         let mut row = vec![
             or_dash(one.name.clone()),
-            texts.value(&key("elastic_modulus"), one.material.elastic_modulus, "GPa"),
-            texts.number(&key("poisson_ratio"), one.material.poisson_ratio),
+            texts.value("elastic_modulus", one.material.elastic_modulus, "GPa"),
+            texts.number("poisson_ratio", one.material.poisson_ratio),
         ];
         row.extend(shown.iter().map(|part| or_dash(one.joints[*part].join(", "))));
         row

@@ -53,16 +53,30 @@ pub fn exact(value: f64, unit: &str) -> String {
     format!("{}\u{a0}{}", printed(&text), printed(&unit).replace('\u{2212}', "-"))
 }
 
-/// Texts of the quantities of a scene: exact, and with seven digits where they follow from a formula.
-pub struct ExactTexts<'a>(pub &'a WrittenScene);
+/// Texts of the quantities of a scene below a key: exact, and with seven digits where they follow from a formula.
+pub struct ExactTexts<'a> {
+    /// The scene as it was written.
+    pub written: &'a WrittenScene,
+    at: String,
+}
 
-impl ExactTexts<'_> {
+impl<'a> ExactTexts<'a> {
+    /// Texts of the quantities whose keys begin with `at` and a full stop; of all quantities if it is empty.
+    pub fn below(written: &'a WrittenScene, at: impl Into<String>) -> Self {
+        Self { written, at: at.into() }
+    }
+
+    /// The whole key of a quantity.
+    pub fn key(&self, last: &str) -> String {
+        if self.at.is_empty() { last.to_owned() } else { format!("{}.{last}", self.at) }
+    }
+
     /// The quantity at a key [SI] in this unit.
-    pub fn value(&self, key: &str, value: f64, unit: &str) -> String {
-        let shown = self.0.units.symbol(unit);
+    pub fn value(&self, last: &str, value: f64, unit: &str) -> String {
+        let shown = self.written.units.symbol(unit);
         // A unit that the scene chooses stays, also where it has no exact number.
         let is_exact = shown == unit || number(value, shown).is_some();
-        if is_exact && !self.0.has_formula(key) {
+        if is_exact && !self.written.has_formula(&self.key(last)) {
             return exact(value, shown);
         }
         self.rounded(value, unit)
@@ -70,26 +84,24 @@ impl ExactTexts<'_> {
 
     /// A value that follows from others, with seven digits.
     pub fn rounded(&self, value: f64, unit: &str) -> String {
-        let unit = self.0.units.symbol(unit);
+        let unit = self.written.units.symbol(unit);
         format!("{}\u{a0}{}", seven_digits(value / unit_scale(unit)), unit.replace("^2", "²"))
     }
 
     /// A plain number at a key.
-    pub fn number(&self, key: &str, value: f64) -> String {
-        if self.0.has_formula(key) { seven_digits(value) } else { exact_number(value) }
+    pub fn number(&self, last: &str, value: f64) -> String {
+        if self.written.has_formula(&self.key(last)) { seven_digits(value) } else { exact_number(value) }
     }
 
     /// A pair at a key [SI] in this unit, which only an entry that has no exact number of it states.
-    pub fn pair(&self, key: &str, pair: [f64; 2], unit: &str) -> String {
-        let unit = self.0.units.symbol(unit);
-        let entry = |axis: usize| {
-            let text = self.value(&format!("{key}.{}", ["x", "y"][axis]), pair[axis], unit);
-            match text.strip_suffix(&format!("\u{a0}{}", unit.replace("^2", "²"))) {
-                Some(number) => number.to_owned(),
-                None => text,
-            }
-        };
-        format!("({}, {})", entry(0), entry(1))
+    pub fn pair(&self, last: &str, pair: [f64; 2], unit: &str) -> String {
+        let unit = self.written.units.symbol(unit);
+        let suffix = format!("\u{a0}{}", unit.replace("^2", "²"));
+        let [x, y] = [("x", pair[0]), ("y", pair[1])].map(|(axis, value)| {
+            let text = self.value(&format!("{last}.{axis}"), value, unit);
+            text.strip_suffix(&suffix).map(str::to_owned).unwrap_or(text)
+        });
+        format!("({x}, {y})")
     }
 }
 

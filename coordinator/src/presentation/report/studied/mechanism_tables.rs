@@ -1,10 +1,14 @@
-//! Tables of a mechanism: bodies with their motion, joints, hinges with clearance, and materials. Together with the tables of loads,
-//! formulas and variables they state everything that the scene contains.
+//! Tables of a mechanism: bodies with their motion, joints, loads and gravity, and the curves by which loads and drives vary and that
+//! outputs should follow. Together with the tables of hinges, formulas and variables they state everything that the scene contains.
 
-use super::exact::ExactTexts;
-use crate::presentation::report::format::UNKNOWN;
+use super::exact::{ExactTexts, exact, exact_number};
+use crate::presentation::report::format::{UNKNOWN, joined};
 use crate::presentation::report::{WrittenScene, captioned, table_of_text};
-use common::scene::{Attachment, Drive, JointKind, Motion, Scene, Value};
+use common::scene::quantity::{ANGLE, ANGULAR_VELOCITY, Kind, LENGTH, NUMBER};
+use common::scene::{
+    Attachment, Curve, Drive, Form, JointKind, Key, Load, Motion, OutputUnit, Over, Point, Scene, Table,
+    Value,
+};
 use maud::{Markup, html};
 
 /// A table of rows of texts, each with the head of its column; nothing without a row.
@@ -20,54 +24,47 @@ pub(super) fn stated<const N: usize>(
 }
 
 pub(super) fn bodies(scene: &Scene, written: &WrittenScene) -> Markup {
-    let (texts, dash) = (ExactTexts(written), || UNKNOWN.to_owned());
     let rows = scene.bodies.iter().map(|body| {
-        let key = |last: &str| format!("bodies.{}.{last}", body.name);
-        let mass = |mass: f64| texts.value(&key("mass"), mass, "g");
-        let inertia = |inertia: f64| texts.value(&key("inertia"), inertia, "kg m^2");
-        let centre = |centre: [f64; 2]| texts.pair(&key("centre_of_mass"), centre, "mm");
-        let rest = match &body.motion {
-            Motion::Fixed => ["fixed".to_owned(), dash(), dash(), dash()],
-            Motion::Driven { position, drive, inertia: own } => {
-                let about = texts.pair(&key("position"), *position, "mm");
-                [
-                    format!("driven about {about}, {}", how(drive, &texts, &body.name)),
-                    own.as_ref().map_or_else(dash, |of| mass(of.mass)),
-                    own.as_ref().map_or_else(dash, |of| inertia(of.inertia)),
-                    own.as_ref().map_or_else(dash, |of| centre(of.centre_of_mass)),
-                ]
+        let texts = ExactTexts::below(written, format!("bodies.{}", body.name));
+        let own = |inertia: Option<(f64, f64, [f64; 2])>| match inertia {
+            None => [UNKNOWN; 3].map(str::to_owned),
+            Some((mass, inertia, centre)) => [
+                texts.value("mass", mass, "g"),
+                texts.value("inertia", inertia, "kg m^2"),
+                texts.pair("centre_of_mass", centre, "mm"),
+            ],
+        };
+        let (motion, [mass, inertia, centre]) = match &body.motion {
+            Motion::Fixed => ("fixed".to_owned(), own(None)),
+            Motion::Driven { position, drive, inertia } => {
+                let about = texts.pair("position", *position, "mm");
+                let inertia = inertia.as_ref().map(|of| (of.mass, of.inertia, of.centre_of_mass));
+                (format!("driven about {about}, {}", how(drive, &texts)), own(inertia))
             }
-            Motion::Free { mass: m, inertia: i, centre_of_mass, .. } => {
-                ["free".to_owned(), mass(*m), inertia(*i), centre(*centre_of_mass)]
+            Motion::Free { mass, inertia, centre_of_mass, .. } => {
+                ("free".to_owned(), own(Some((*mass, *inertia, *centre_of_mass))))
             }
         };
-        let point = |point: &common::scene::Point| {
-            format!(
-                "{} {}",
-                point.name,
-                texts.pair(&key(&format!("points.{}", point.name)), point.position, "mm")
-            )
-        };
-        let points: Vec<String> = body.points.iter().map(point).collect();
-        let [motion, mass, inertia, centre] = rest;
+        let points = body.points.iter().map(|Point { name, position }| {
+            format!("{name} {}", texts.pair(&format!("points.{name}"), *position, "mm"))
+        });
         [
             ("body", body.name.clone()),
             ("motion", motion),
             ("mass", mass),
             ("inertia", inertia),
             ("centre of mass [mm]", centre),
-            ("points [mm]", points.join("; ")),
+            ("points [mm]", joined(points, "; ")),
         ]
     });
     stated("bodies", "Bodies; inertia about the centre of mass; points in the frame of the body", rows)
 }
 
-fn how(drive: &Drive, texts: &ExactTexts<'_>, body: &str) -> String {
-    let start = |angle: f64| texts.value(&format!("bodies.{body}.start_angle"), angle, "deg");
+fn how(drive: &Drive, texts: &ExactTexts<'_>) -> String {
+    let start = |angle: f64| texts.value("start_angle", angle, "deg");
     match drive {
         Drive::ConstantSpeed { start_angle, speed } => {
-            let speed = texts.value(&format!("bodies.{body}.speed"), *speed, "r/min");
-            format!("{speed}, from {}", start(*start_angle))
+            format!("{}, from {}", texts.value("speed", *speed, "r/min"), start(*start_angle))
         }
         Drive::Angle(_) => "angle by a table over time".to_owned(),
         Drive::Speed { start_angle, .. } => {
@@ -78,20 +75,19 @@ fn how(drive: &Drive, texts: &ExactTexts<'_>, body: &str) -> String {
 
 /// Approximate state of the free bodies at time zero.
 pub(super) fn starts(scene: &Scene, written: &WrittenScene) -> Markup {
-    let texts = ExactTexts(written);
     let rows = scene.bodies.iter().filter_map(|body| {
         let Motion::Free { start_position, start_angle, start_velocity, start_speed, .. } = &body.motion
         else {
             return None;
         };
-        let key = |last: &str| format!("bodies.{}.{last}", body.name);
-        let none = || UNKNOWN.to_owned();
-        let velocity = start_velocity.map_or_else(none, |v| texts.pair(&key("start_velocity"), v, "m/s"));
-        let speed = start_speed.map_or_else(none, |speed| texts.value(&key("start_speed"), speed, "r/min"));
+        let texts = ExactTexts::below(written, format!("bodies.{}", body.name));
+        let velocity = start_velocity.map(|velocity| texts.pair("start_velocity", velocity, "m/s"));
+        let speed = start_speed.map(|speed| texts.value("start_speed", speed, "r/min"));
+        let [velocity, speed] = [velocity, speed].map(|text| text.unwrap_or_else(|| UNKNOWN.to_owned()));
         Some([
             ("body", body.name.clone()),
-            ("position [mm]", texts.pair(&key("start_position"), *start_position, "mm")),
-            ("angle", texts.value(&key("start_angle"), *start_angle, "deg")),
+            ("position [mm]", texts.pair("start_position", *start_position, "mm")),
+            ("angle", texts.value("start_angle", *start_angle, "deg")),
             ("velocity [m/s]", velocity),
             ("angular velocity", speed),
         ])
@@ -103,12 +99,10 @@ pub(super) fn starts(scene: &Scene, written: &WrittenScene) -> Markup {
 /// A place: its body, the name of its point where that is known, and its position in the frame of the body.
 fn place(scene: &Scene, written: &WrittenScene, key: &str, at: &Attachment) -> String {
     let body = &scene.bodies[at.body].name;
-    let texts = ExactTexts(written);
+    let texts = ExactTexts::below(written, format!("bodies.{body}.points"));
     match written.name(&format!("{key}.point")) {
-        Some(point) => {
-            let position = texts.pair(&format!("bodies.{body}.points.{point}"), at.position, "mm");
-            format!("{body}.{point} {position}")
-        }
+        Some(point) => format!("{body}.{point} {}", texts.pair(point, at.position, "mm")),
+        // A place without a name is written at a key of its own.
         None => format!("{body} {}", texts.pair("", at.position, "mm")),
     }
 }
@@ -131,10 +125,9 @@ pub(super) fn subject(scene: &Scene, written: &WrittenScene, key: &str, value: &
 }
 
 pub(super) fn joints(scene: &Scene, written: &WrittenScene) -> Markup {
-    let texts = ExactTexts(written);
     let rows = scene.joints.iter().map(|joint| {
-        let key = |last: &str| format!("joints.{}.{last}", joint.name);
-        let angle = |last: &str, angle: f64| texts.value(&key(last), angle, "deg");
+        let texts = ExactTexts::below(written, format!("joints.{}", joint.name));
+        let angle = |last: &str, angle: f64| texts.value(last, angle, "deg");
         let kind = match &joint.kind {
             JointKind::Revolute => "revolute, ideal".to_owned(),
             JointKind::Prismatic { axis, angle: turned } => {
@@ -144,11 +137,10 @@ pub(super) fn joints(scene: &Scene, written: &WrittenScene) -> Markup {
             JointKind::Clearance(_) => "hinge with clearance".to_owned(),
             JointKind::Guide(_) => "slider in a guide with clearance".to_owned(),
             JointKind::Slot { axis } => format!("pin in a slot along {}", angle("axis", *axis)),
-            JointKind::LinearDrive(Drive::ConstantSpeed { start_angle: length, speed }) => format!(
-                "linear drive, {} at the start, {}",
-                texts.value(&key("length"), *length, "mm"),
-                texts.value(&key("speed"), *speed, "mm/s")
-            ),
+            JointKind::LinearDrive(Drive::ConstantSpeed { start_angle: length, speed }) => {
+                let length = texts.value("length", *length, "mm");
+                format!("linear drive, {length} at the start, {}", texts.value("speed", *speed, "mm/s"))
+            }
             JointKind::LinearDrive(_) => "linear drive by its curve".to_owned(),
             JointKind::Cam { direction: [x, y], .. } => {
                 format!("cam, follower along {}, by its curve", angle("axis", y.atan2(*x)))
@@ -157,14 +149,9 @@ pub(super) fn joints(scene: &Scene, written: &WrittenScene) -> Markup {
                 let (word, ..) = joint.kind.words();
                 let keys = if word == "rack" { ["", "radius"] } else { ["radius_a", "radius_b"] };
                 let radii = keys.iter().zip(mesh.radii).filter(|(_, radius)| *radius > 0.0);
-                let radii: Vec<String> =
-                    radii.map(|(name, radius)| texts.value(&key(name), radius, "mm")).collect();
+                let radii = joined(radii.map(|(name, radius)| texts.value(name, radius, "mm")), " and ");
                 let pressure = angle("pressure_angle", mesh.pressure_angle);
-                format!(
-                    "{}, pitch radius {}, pressure angle {pressure}",
-                    word.replace('-', " "),
-                    radii.join(" and ")
-                )
+                format!("{}, pitch radius {radii}, pressure angle {pressure}", word.replace('-', " "))
             }
         };
         let (_, ends, size) = joint.kind.words();
@@ -172,14 +159,14 @@ pub(super) fn joints(scene: &Scene, written: &WrittenScene) -> Markup {
         let friction = joint.friction.map_or(String::new(), |friction| {
             format!(
                 "; friction {}, friction speed {}, {} {}",
-                texts.number(&key("friction"), friction.coefficient),
-                texts.value(&key("friction_speed"), friction.speed, "mm/s"),
+                texts.number("friction", friction.coefficient),
+                texts.value("friction_speed", friction.speed, "mm/s"),
                 size.replace('_', " "),
-                texts.value(&key(size), friction.size, "mm")
+                texts.value(size, friction.size, "mm")
             )
         });
         let [first, second] = [(ends[0], &joint.journal), (ends[1], &joint.bushing)]
-            .map(|(end, at)| place(scene, written, &key(end), at));
+            .map(|(end, at)| place(scene, written, &texts.key(end), at));
         [
             ("joint", joint.name.clone()),
             ("kind", kind + &friction),
@@ -188,4 +175,135 @@ pub(super) fn joints(scene: &Scene, written: &WrittenScene) -> Markup {
         ]
     });
     stated("joints", "Joints, with their places in the frames of the bodies", rows)
+}
+
+/// Loads with all their values, and every curve with its points.
+pub(super) fn loads(scene: &Scene, written: &WrittenScene) -> Markup {
+    let mut rows: Vec<[String; 4]> = scene.loads.iter().map(|load| row(scene, written, load)).collect();
+    if scene.gravity != [0.0; 2] {
+        let pair = ExactTexts::below(written, "").pair("gravity", scene.gravity, "m/s^2");
+        let unit = written.units.symbol("m/s^2").replace("^2", "²");
+        rows.push(
+            ["gravity", "gravity", "every body", &format!("acceleration {pair} {unit}")].map(str::to_owned),
+        );
+    }
+    let head = ["load", "type", "acts on [mm]", "values"];
+    let curves = curves(scene, written);
+    html! {
+        @if rows.is_empty() {
+            p { "There are no loads but those of the joints." }
+        } @else {
+            (captioned("loads", "Loads", table_of_text(&head, rows)))
+        }
+        @if !curves.is_empty() {
+            (captioned(
+                "curves",
+                "Curves of loads and drives, and of what outputs should be: values at arguments, smooth between them",
+                table_of_text(&["curve of", "over", "repeated", "points", "from"], curves),
+            ))
+        }
+    }
+}
+
+fn row(scene: &Scene, written: &WrittenScene, load: &Load) -> [String; 4] {
+    let name = load.name();
+    let texts = ExactTexts::below(written, format!("loads.{name}"));
+    let (mut on, mut values) = (Vec::new(), Vec::new());
+    for (key, value) in load.values() {
+        match value {
+            Value::Place(_) | Value::Body(_) => {
+                let anchor = if key.name == "anchor" { "anchor " } else { "" };
+                on.push(format!("{anchor}{}", subject(scene, written, &texts.key(key.name), &value)));
+            }
+            _ => values.extend(in_words(&texts, key, value)),
+        }
+    }
+    [name, load.word().to_owned(), on.join(", "), values.join(", ")]
+}
+
+/// The value of a key of a load; `None` for one that says nothing of its own.
+fn in_words(texts: &ExactTexts<'_>, key: &Key, value: Value) -> Option<String> {
+    let name = key.name.replace("no_load", "no-load").replace('_', " ");
+    Some(match (value, key.form) {
+        (Value::Number(number), Form::Number(kind, _) | Form::NumberOr(kind, ..)) => {
+            format!("{name} {}", texts.value(key.name, number, unit(kind)))
+        }
+        (Value::Pair(pair), Form::Pair(kind)) => {
+            format!(
+                "{name} {} {}",
+                texts.pair(key.name, pair, unit(kind)),
+                texts.written.units.symbol(unit(kind))
+            )
+        }
+        (Value::Pair([x, y]), _) => format!("along ({}, {})", exact_number(x), exact_number(y)),
+        (Value::Curve(_), _) => "by its curve".to_owned(),
+        (Value::MaybeCurve(Some(_)), _) => "times its curve".to_owned(),
+        _ => return None,
+    })
+}
+
+/// The unit in which a quantity of a load is stated.
+fn unit(kind: Kind) -> &'static str {
+    match kind {
+        LENGTH => "mm",
+        ANGLE => "deg",
+        ANGULAR_VELOCITY => "r/min",
+        other => other.si,
+    }
+}
+
+/// A value in its unit, which a plain number does not have.
+fn value_of(value: f64, unit: &str) -> String {
+    if unit.is_empty() { exact_number(value) } else { exact(value, unit) }
+}
+
+/// One row per curve, with all its points.
+fn curves(scene: &Scene, written: &WrittenScene) -> Vec<[String; 5]> {
+    let row = |of: String, key: String, over: String, table: &Table, units: [&str; 2]| {
+        let [argument, value] = units.map(|unit| written.units.symbol(unit));
+        let points = table.at.iter().zip(&table.value);
+        let points = points.map(|(at, v)| format!("{}: {}", exact(*at, argument), value_of(*v, value)));
+        let from = written.name(&format!("{key}.source")).unwrap_or("the scene").to_owned();
+        [of, over, if table.repeat { "yes" } else { "no" }.to_owned(), joined(points, "; "), from]
+    };
+    let over_time = || "time".to_owned();
+    let angle_of = |body: usize| format!("angle of {}", scene.bodies[body].name);
+    let drives = scene.bodies.iter().filter_map(|body| {
+        let Motion::Driven { drive, .. } = &body.motion else { return None };
+        let (key, table, unit) = match drive {
+            Drive::Angle(table) => ("angle", table, "deg"),
+            Drive::Speed { table, .. } => ("speed", table, "r/min"),
+            Drive::ConstantSpeed { .. } => return None,
+        };
+        let key = format!("bodies.{}.{key}", body.name);
+        Some(row(body.name.clone(), key, over_time(), table, ["s", unit]))
+    });
+    let joints = scene.joints.iter().filter_map(|joint| {
+        let (key, over, table, argument) = match &joint.kind {
+            JointKind::LinearDrive(Drive::Angle(table)) => ("length", over_time(), table, "s"),
+            JointKind::Cam { lift, .. } => ("lift", angle_of(joint.bushing.body), lift, "deg"),
+            _ => return None,
+        };
+        Some(row(joint.name.clone(), format!("joints.{}.{key}", joint.name), over, table, [argument, "mm"]))
+    });
+    let of_curve = |of: String, key: String, curve: &Curve, unit: &'static str| {
+        let (over, argument) = match curve.over {
+            Over::Time => (over_time(), "s"),
+            Over::Angle(body) => (angle_of(body), "deg"),
+        };
+        row(of, key, over, &curve.table, [argument, unit])
+    };
+    let loads = scene.loads.iter().filter_map(Load::curve).map(|(name, key, curve, kind)| {
+        let path = format!("loads.{name}.{key}");
+        of_curve(name, path, &curve, if kind == NUMBER { "" } else { kind.si })
+    });
+    let wanted = scene.outputs.iter().flat_map(|output| {
+        let unit = if output.kind.unit() == OutputUnit::Angle { "deg" } else { "mm" };
+        let curves = output.kind.curves().into_iter().map(|(key, curve)| {
+            let of = format!("{}, {}", output.name, key.replace('_', " "));
+            of_curve(of, format!("outputs.{}.{key}", output.name), &curve, unit)
+        });
+        curves.collect::<Vec<_>>()
+    });
+    drives.chain(joints).chain(loads).chain(wanted).collect()
 }

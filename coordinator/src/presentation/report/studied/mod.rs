@@ -3,21 +3,19 @@
 //!
 //! | file | content |
 //! |---|---|
-//! | `mechanism_tables` | bodies, drives, joints |
+//! | `mechanism_tables` | bodies, drives, joints, loads, gravity, curves |
 //! | `clearance_tables` | hinges and guides with clearance, their materials and wear |
-//! | `load_tables` | loads, gravity, curves |
 //! | `variable_tables` | random variables, correlations, outputs, limit states, life, settings of the study |
 //! | `exact` | values with as few digits as give the same number |
 
 mod clearance_tables;
 mod exact;
-mod load_tables;
 mod mechanism_tables;
 mod variable_tables;
 
 use super::drawing::{self, DrawnMechanism, SHARE_OF_CYCLE};
 use super::mechanism::poses;
-use super::page::numbered;
+use super::page::{mark, refer_table};
 use super::tables;
 use super::{Figure, Page, ReportInput, VaryingLoads, WrittenScene, captioned};
 use crate::results::scene_summary::limit_rows;
@@ -29,17 +27,16 @@ const VARIABLES_IN_CHAPTER: usize = 12;
 
 /// The drawing of the nominal mechanism; `None` without the motion of every body.
 pub fn figure(input: &ReportInput) -> Option<Figure> {
-    let cycle = input.nominal.as_ref()?.first_cycle.as_ref()?;
-    let poses = poses(&input.scene, cycle)?;
+    let poses = poses(&input.scene, input.first_cycle()?)?;
     let drawn = DrawnMechanism::new(&input.scene, &poses, drawing::instant(poses.len(), SHARE_OF_CYCLE))?;
     Some(drawing::figure(&drawn, &input.scene))
 }
 
 /// Loads that vary by curves, over the angle of the crank.
 pub fn loads(input: &ReportInput) -> Vec<Figure> {
-    let cycle = input.nominal.as_ref().and_then(|nominal| nominal.first_cycle.as_ref());
-    let varying =
-        cycle.and_then(|cycle| VaryingLoads::new(&input.scene, &poses(&input.scene, cycle)?, &cycle.time));
+    let scene = &input.scene;
+    let cycle = input.first_cycle();
+    let varying = cycle.and_then(|cycle| VaryingLoads::new(scene, &poses(scene, cycle)?, &cycle.time));
     varying.map_or(vec![], |varying| varying.figures())
 }
 
@@ -50,11 +47,11 @@ pub fn chapter(input: &ReportInput, drawn: &Markup) -> Markup {
     html! {
         p {
             "Every value is nominal and in the scene file " code { "scene.toml" } " next to this page, which is listed in the appendix"
-            @if !drawn.0.is_empty() { "; the mechanism is drawn in " (numbered::mark("see-figure", drawing::NAME)) }
+            @if !drawn.0.is_empty() { "; the mechanism is drawn in " (mark("see-figure", drawing::NAME)) }
             "."
             @if !input.written.formulas.is_empty() {
                 " Values that follow from parameters, which random variables may set, have their formulas in "
-                (numbered::refer_table("formulas")) "."
+                (refer_table("formulas")) "."
             }
         }
         (drawn)
@@ -69,7 +66,7 @@ pub fn chapter(input: &ReportInput, drawn: &Markup) -> Markup {
             }
         }
         @if many {
-            p { "The " (scene.variables.len()) " random variables are listed in " (numbered::refer_table("variables")) "." }
+            p { "The " (scene.variables.len()) " random variables are listed in " (refer_table("variables")) "." }
         } @else {
             (variable_tables::variables(scene, &input.summary))
         }
@@ -101,7 +98,7 @@ fn elements(scene: &Scene, written: &WrittenScene) -> Markup {
         (clearance_tables::materials(scene, written))
         (clearance_tables::guides(scene, written))
         (clearance_tables::guide_wear(scene, written))
-        (load_tables::tables(scene, written))
+        (mechanism_tables::loads(scene, written))
     };
     // Their heads name usual units.
     PreEscaped(written.units.head(&tables.into_string()))
@@ -147,13 +144,13 @@ fn assumptions(input: &ReportInput) -> Vec<String> {
                  are not modelled."
             ));
         }
-        if !clearances.is_empty() {
-            for law in ContactLaw::ALL {
-                if clearances.iter().any(|clearance| clearance.contact_law == law) {
-                    text.push(format!("Contact by the law {}: {}.", law.name(), law.explanation()));
-                }
-            }
-        }
+        let is_used = |law: &ContactLaw| clearances.iter().any(|clearance| clearance.contact_law == *law);
+        text.extend(
+            ContactLaw::ALL
+                .into_iter()
+                .filter(is_used)
+                .map(|law| format!("Contact by the law {}: {}.", law.word(), law.explanation())),
+        );
         if scene.joints.iter().any(|joint| !joint.kind.has_clearance()) {
             text.push("Ideal joints have neither clearance nor wear.".to_owned());
         }
@@ -191,11 +188,7 @@ fn assumptions(input: &ReportInput) -> Vec<String> {
 fn formulas(written: &WrittenScene) -> Markup {
     let table = |name: &str, title: &str, head: [&str; 2], all: &[(String, String)]| {
         let rows = all.iter().map(|(name, text)| [name.render(), html! { code { (text) } }]);
-        if all.is_empty() {
-            html! {}
-        } else {
-            captioned(name, title, tables::table_of_text(&head, rows))
-        }
+        html! { @if !all.is_empty() { (captioned(name, title, tables::table_of_text(&head, rows))) } }
     };
     let follow = "Quantities that follow from parameters, with the values above where all variables are at their means";
     html! {

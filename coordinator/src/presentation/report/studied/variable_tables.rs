@@ -2,7 +2,7 @@
 
 use super::exact::{ExactTexts, exact, exact_number};
 use super::mechanism_tables::{stated, subject};
-use crate::presentation::report::format::{UNKNOWN, count, seven_digits};
+use crate::presentation::report::format::{UNKNOWN, count, exactly_with_unit, joined, seven_digits};
 use crate::presentation::report::{WrittenScene, captioned, table};
 use crate::results::scene_summary::{LimitRow, VariableRow};
 use crate::results::summary::StudySummary;
@@ -43,8 +43,7 @@ fn cells(variable: &RandomVariable, row: &VariableRow) -> [(&'static str, String
     };
     let changes = variable.changes.join(", ");
     let sets = if changes.is_empty() { "input of the simulator".to_owned() } else { changes };
-    let mode = variable.distribution.mode();
-    let distribution = match mode {
+    let distribution = match variable.distribution.mode() {
         Some(mode) => format!("{}, mode {}", row.distribution, in_unit(variable, mode)),
         None => row.distribution.clone(),
     };
@@ -111,9 +110,8 @@ fn subjects(scene: &Scene, written: &WrittenScene, output: &Output) -> String {
     let text = |(key, value): (&Key, Value)| {
         subject(scene, written, &format!("outputs.{}.{}", output.name, key.name), &value)
     };
-    let found: Vec<String> =
-        output.kind.values().into_iter().map(text).filter(|text| !text.is_empty()).collect();
-    if found.is_empty() { UNKNOWN.to_owned() } else { found.join("; ") }
+    let found = joined(output.kind.values().into_iter().map(text).filter(|text| !text.is_empty()), "; ");
+    if found.is_empty() { UNKNOWN.to_owned() } else { found }
 }
 
 /// The settings that the study used, with the values of its last run; `stored` are those of its file. A study by an earlier version
@@ -164,9 +162,10 @@ pub fn limits(scene: &Scene, rows: &[LimitRow], written: &WrittenScene) -> Marku
         let unit = scene.unit_of(&scene.outputs[limit.output]);
         let shown = |key: &str, value: f64| match &unit {
             OutputUnit::External(_) => unit.after(&exact_number(value)),
-            OutputUnit::Shown { .. } => unit.after(&seven_digits(unit.to_shown(value))),
+            OutputUnit::Shown { .. } => exactly_with_unit(&unit, value),
             own => {
-                ExactTexts(written).value(&format!("limit_states.{}.{key}", limit.name), value, own.symbol())
+                let texts = ExactTexts::below(written, format!("limit_states.{}", limit.name));
+                texts.value(key, value, own.symbol())
             }
         };
         let fails = match limit.fails {
@@ -199,11 +198,10 @@ pub fn limits(scene: &Scene, rows: &[LimitRow], written: &WrittenScene) -> Marku
 /// Operating conditions with their shares of the cycles and what they change.
 fn conditions(scene: &Scene, written: &WrittenScene) -> Markup {
     let rows = scene.conditions.iter().map(|condition| {
-        let share =
-            ExactTexts(written).number(&format!("conditions.{}.share", condition.name), condition.share);
+        let texts = ExactTexts::below(written, format!("conditions.{}", condition.name));
         [
             ("condition", condition.name.clone()),
-            ("share of the cycles", share),
+            ("share of the cycles", texts.number("share", condition.share)),
             ("changes", written.changes_of(&condition.name)),
         ]
     });
