@@ -40,7 +40,7 @@ pub struct DesignsArguments {
     /// Folder of the finished study
     pub dir: PathBuf,
     /// Values per design variable [default: 9, 5 or 3 with one, two or three variables]
-    #[arg(long, value_name = "N", value_parser = within(2, 101))]
+    #[arg(long, value_name = "N", value_parser = within::<usize>(2, 101))]
     pub points: Option<usize>,
     /// Answer for the design with this value alone, one for each design variable
     #[arg(long, value_name = "KEY=VALUE", conflicts_with = "points")]

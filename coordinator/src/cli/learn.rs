@@ -46,7 +46,7 @@ pub struct LearnArguments {
     #[arg(long, value_name = "SHARE", default_value = "90%", value_parser = confidence)]
     pub confidence: f64,
     /// Sets of parameters of sequential Monte Carlo
-    #[arg(long, value_name = "N", default_value = "500", value_parser = within(200, 20_000))]
+    #[arg(long, value_name = "N", default_value = "500", value_parser = within::<usize>(200, 20_000))]
     pub sets: usize,
     /// Add at most this many simulations where the population that was learned leaves those of the study
     #[arg(long, value_name = "N", value_parser = positive)]

@@ -31,19 +31,19 @@ pub struct TestPlanArguments {
     #[arg(long, value_name = "C", default_value = "90%", value_parser = probability)]
     pub confidence: f64,
     /// Plans with up to this many failures
-    #[arg(long, value_name = "N", default_value = "2", value_parser = within(0, 20))]
+    #[arg(long, value_name = "N", default_value = "2", value_parser = within::<u64>(0, 20))]
     pub allowed: u64,
     /// Lengths of the test, several with commas [default: the life; with a shape 0.5, 1, 1.5 and 2 lives]
     #[arg(long, value_name = "CYCLES,...", value_delimiter = ',', value_parser = above_zero, conflicts_with = "units")]
     pub length: Vec<f64>,
     /// Seek the length of the test for this number of units
-    #[arg(long, value_name = "N", value_parser = within(1, 1_000_000))]
+    #[arg(long, value_name = "N", value_parser = within::<u64>(1, 1_000_000))]
     pub units: Option<u64>,
     /// Weibull shape of the lives [default: that of the study]
     #[arg(long, value_name = "B", value_parser = above_zero)]
     pub shape: Option<f64>,
     /// Sudden death too: groups of N units, each up to its first failure
-    #[arg(long, value_name = "N", value_parser = within(1, 1_000_000))]
+    #[arg(long, value_name = "N", value_parser = within::<u64>(1, 1_000_000))]
     pub group: Option<u64>,
     /// Inspect every N cycles: state the mean length of a test that ends with too many failures
     #[arg(long, value_name = "CYCLES", value_parser = above_zero)]

@@ -19,6 +19,7 @@ pub struct ReliabilityRow {
     pub standard_error: PerLimitState,
     /// 95 % interval of R(n) per curve, every error that is known included: R -+ 1.96 standard errors, where no failure or no survivor was
     /// seen the rule of three, and on either side what the numerical error moves R to; empty in studies by earlier versions.
+    #[serde(default)]
     pub interval: BTreeMap<String, ReliabilityRange>,
     /// Parts of the standard error per curve; empty in studies by earlier versions.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]

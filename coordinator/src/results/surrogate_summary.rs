@@ -11,9 +11,11 @@ pub struct SurrogateRow {
     pub q2: f64,
     /// Smallest cross-validated Q2 with the correlation lengths fitted anew [1]; absent with fewer than ten results, and in
     /// studies by earlier versions.
+    #[serde(default)]
     pub q2_cross_validated: Option<f64>,
     /// Factor on the predicted variances, from cross-validation or leave-one-out errors [1]; absent in studies by earlier
     /// versions.
+    #[serde(default)]
     pub variance_factor: Option<f64>,
     /// Variance of the noise common to all points over the process variance [1].
     pub nugget: f64,
@@ -21,13 +23,17 @@ pub struct SurrogateRow {
     pub stated_noise: f64,
     /// Variance of both noises over that of the simulated values, largest over the governing checkpoints [1]; absent in
     /// studies by earlier versions.
+    #[serde(default)]
     pub noise_share: Option<f64>,
-    /// Name of the correlation kernel.
+    /// Name of the correlation kernel; empty in studies by earlier versions.
+    #[serde(default)]
     pub kernel: String,
-    /// Name of the trend.
+    /// Name of the trend; empty in studies by earlier versions.
+    #[serde(default)]
     pub trend: String,
     /// True if separate correlations for early and late checkpoints would predict clearly better than the common one; absent
     /// with one checkpoint.
+    #[serde(default)]
     pub separate_would_gain: Option<bool>,
     /// Standard deviation of the noise over the stated errors [1]; absent without stated errors.
     pub share_of_stated_error: Option<f64>,

@@ -119,8 +119,7 @@ mod tests {
             evaluated.push((x.to_vec(), outcome.clone()));
             outcome
         };
-        let learned =
-            Campaign::new(problem(5.0, 0.5), plan(5_000, 60)).learn_from(simulate, |_| {}).unwrap();
+        let learned = Campaign::new(problem(5.0, 0.5), plan(5_000, 60)).learn_from(simulate, |_| {}).unwrap();
         (learned, evaluated)
     }
 

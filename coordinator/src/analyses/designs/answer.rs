@@ -123,13 +123,13 @@ pub fn refine(
     let mut candidates: Vec<_> = designs.iter().map(candidate).collect::<Result<_, AnalysisError>>()?;
     loop {
         // Those that are above the target; all of them once none of these is left.
-        for _ in 0..2 {
+        for pass in 0..2 {
             let mut first = None;
             for candidate in candidates.iter_mut().filter(|candidate| candidate.error > target) {
                 let learned = study.assess(&candidate.scene, &outcomes, &mut first)?;
                 candidate.error = learned.assessment.errors.largest();
             }
-            if candidates.iter().any(|candidate| candidate.error > target) {
+            if pass == 1 || candidates.iter().any(|candidate| candidate.error > target) {
                 break;
             }
             candidates.iter_mut().for_each(|candidate| candidate.error = f64::INFINITY);
