@@ -73,7 +73,7 @@ pub struct FirstLook {
 /// first block, each part timed.
 ///
 /// # Errors
-/// [`SimulationFailure`] as in an evaluation.
+/// [`common::failure::SimulationFailure`] as in an evaluation.
 pub fn first_look(scene: &Scene, accuracy: &Accuracy) -> Simulated<FirstLook> {
     let timed = run_alone(|queue| async move { with_period_of_turn(&queue, scene, accuracy).await })?;
     let scene = timed.as_ref().unwrap_or(scene);

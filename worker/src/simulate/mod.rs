@@ -96,7 +96,7 @@ impl SimulateOptions {
 /// Simulates the whole life of a checked scene and returns every output at every checkpoint.
 ///
 /// # Errors
-/// [`SimulationFailure`]: the failure of the physics or the numerics, with time, cycle and joint.
+/// [`common::failure::SimulationFailure`]: the failure of the physics or the numerics, with time, cycle and joint.
 pub fn simulate(scene: &Scene, accuracy: &Accuracy, options: SimulateOptions) -> Simulated<Evaluation> {
     simulate_counted(scene, accuracy, options).result
 }

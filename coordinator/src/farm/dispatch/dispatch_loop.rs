@@ -1,6 +1,6 @@
 //! The thread between transport and scheduler: passes messages to the scheduler as events and executes its actions.
 
-use super::backpressure::Announcements;
+use super::announcements::Announcements;
 use super::backpressure::Backpressure;
 use super::scheduler::{Action, Assignment, Event, Scheduler, SchedulerSettings, Token};
 use super::status_board::StatusBoard;

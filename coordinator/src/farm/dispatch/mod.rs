@@ -9,6 +9,7 @@
 //! that uses Zenoh. `dispatch_loop` is the thread that connects them. The caller needs no tokio runtime; if it has one,
 //! it must be multi-threaded (a condition of Zenoh).
 
+mod announcements;
 mod backpressure;
 mod dispatch_loop;
 mod evaluator;

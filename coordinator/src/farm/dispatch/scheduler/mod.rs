@@ -35,6 +35,7 @@ mod held_outcomes;
 mod licences;
 #[cfg(test)]
 mod licences_tests;
+mod losses;
 mod pending_replies;
 #[cfg(test)]
 mod recovery_tests;

@@ -5,9 +5,11 @@
 
 mod client_session;
 mod settings;
+mod watchdog;
 
-pub use client_session::{ClientError, ClientSession, LivelinessGuard, Watch, Watched, watch};
+pub use client_session::{ClientError, ClientSession, LivelinessGuard};
 pub use settings::Listen;
+pub use watchdog::{Watch, Watched, watch};
 
 use super::DispatchError;
 use common::wire::{WorkerId, is_worker_name, keys, reason};
