@@ -221,7 +221,7 @@ fn row(scene: &Scene, written: &WrittenScene, load: &Load) -> [String; 4] {
     [name, load.word().to_owned(), on.join(", "), values.join(", ")]
 }
 
-/// The value of a key of a load; `None` for one that says nothing of its own.
+/// The words for the value of a key of a load; `None` for a curve that is not given.
 fn in_words(texts: &ExactTexts<'_>, key: &Key, value: Value) -> Option<String> {
     let name = key.name.replace("no_load", "no-load").replace('_', " ");
     Some(match (value, key.form) {
