@@ -216,6 +216,7 @@ impl Run<'_> {
                 rates[k]
                     .rate(&depth[k], &mut found)
                     .map_err(|unbalanced| wear_failure(joint, cycle, unbalanced))?;
+                rates[k].release();
                 let second = found.split_off(pair.first_depths());
                 all[SURFACES * pair.scene_joint()] = found;
                 all[SURFACES * pair.scene_joint() + 1] = second;

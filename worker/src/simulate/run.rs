@@ -353,6 +353,7 @@ impl<'a> Run<'a> {
                 }
                 let advanced =
                     state.steps[k].advance(rate, depth, length, &marks, note, &mut self.wear_counts);
+                rate.release();
                 advanced.map_err(|failed| wear_failure(&self.scene.joints[scene_joint], from, failed))?;
                 state.finer[k].next_marked =
                     marked[..within].iter().map(|joints| joints[scene_joint]).collect();

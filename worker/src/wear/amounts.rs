@@ -157,6 +157,9 @@ pub(crate) trait WearLaw {
     /// Replaces the frozen history by that of the cycle just simulated.
     fn freeze(&mut self, history: &Self::History);
 
+    /// Forgets the frozen history where it takes much memory: until it is frozen anew there are no rates.
+    fn release(&mut self) {}
+
     /// Sizes of the surfaces.
     fn sizes(&self) -> SurfaceSizes;
 

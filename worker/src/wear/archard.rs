@@ -95,6 +95,12 @@ impl WearLaw for BoreWearRate {
         }
     }
 
+    fn release(&mut self) {
+        if let FrozenContacts::UniformOverArc(arcs) = &mut self.contacts {
+            arcs.release();
+        }
+    }
+
     fn sizes(&self) -> SurfaceSizes {
         SurfaceSizes::Bore(self.sizes)
     }
@@ -231,6 +237,12 @@ impl WearLaw for WearRate {
             (WearRate::Bore(rate), WearHistory::Bore(history)) => rate.freeze(history),
             (WearRate::Rail(rate), WearHistory::Rail(history)) => rate.freeze(history),
             _ => debug_assert!(false, "history of another joint"),
+        }
+    }
+
+    fn release(&mut self) {
+        if let WearRate::Bore(rate) = self {
+            rate.release();
         }
     }
 

@@ -124,6 +124,7 @@ impl<L: WearLaw> FinerBore<L> {
         let to_compare = |mark: usize, depths: &MarkedDepths| copies[mark] = sizes.amounts_at(depths);
         let (step, rate) = (&mut self.step, &mut self.rate);
         let advanced = step.advance(rate, &mut self.depth, behind + half, &marks, to_compare, &mut uncounted);
+        rate.release();
         self.failed = advanced.is_err();
         if self.failed {
             self.missed = self.missed.with(&growth, miss);

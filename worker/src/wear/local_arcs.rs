@@ -88,8 +88,12 @@ impl LocalArcs {
             let on_journal = if on_journal < n as f64 { on_journal } else { 0.0 };
             Sample { spot, interval, penetration: s.penetration, work: s.work, on_journal }
         };
-        self.samples.clear();
-        self.samples.extend(samples.iter().map(sample));
+        self.samples = samples.iter().map(sample).collect();
+    }
+
+    /// Forgets the history.
+    pub(crate) fn release(&mut self) {
+        self.samples = Vec::new();
     }
 
     /// Sum over the samples of work per radius, shared out over the control points: F S w_i / R `(points,)` [N], of the bore and then
