@@ -42,7 +42,7 @@ impl Default for NamedAccuracy {
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum AccuracyNameError {
     /// Neither a preset nor a knob. Holds the unknown part between two `+`.
-    #[error("{0:?} is neither a preset (draft, balanced, reference) nor a change of one ({KNOBS})")]
+    #[error("{0:?} is neither a preset (draft, balanced, reference) nor a change of one{near} ({KNOBS})", near = nearest_preset(.0))]
     Unknown(String),
     /// A preset that is not the first part. Holds the name of the preset.
     #[error("the preset {0:?} comes first, changes of it after it")]
@@ -54,6 +54,12 @@ pub enum AccuracyNameError {
     /// The knobs together lead a setting out of its range. Holds the whole name and the name of the setting.
     #[error("{0:?}: the changes together lead {1} out of its range")]
     Together(String, &'static str),
+}
+
+/// The preset that was meant, for a message.
+fn nearest_preset(part: &str) -> String {
+    let near = Accuracy::NAMES.iter().find(|preset| strsim::damerau_levenshtein(part, preset) <= 2);
+    near.map_or_else(String::new, |preset| format!(", did you mean {preset:?}?"))
 }
 
 /// List of the knobs for messages and help texts.

@@ -52,11 +52,11 @@ pub struct Cell<'t> {
     pub span: Range<usize>,
 }
 
-/// The lines of a CSV text that are not empty and do not begin with `#`. The separator is the first of `;`, tab and `,` that the
+/// The lines of a CSV text that are not empty, nor nothing but separators, and do not begin with `#`. The separator is the first of `;`, tab and `,` that the
 /// first of them has.
 pub fn csv_rows(text: &str) -> Vec<CsvRow<'_>> {
     let with_content = |(_, line): &(u64, Range<usize>)| {
-        let line = text[line.clone()].trim();
+        let line = text[line.clone()].trim_matches(|c: char| c.is_whitespace() || [';', ','].contains(&c));
         !line.is_empty() && !line.starts_with('#')
     };
     let mut lines = (1..).zip(lines(text)).filter(with_content).peekable();

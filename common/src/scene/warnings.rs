@@ -89,7 +89,7 @@ const LARGEST_GYRATION: f64 = 10.0;
 /// Density of a block around a body that is as heavy as the body [kg/m^3]: from a thin wire across it to twice that of gold.
 const DENSITIES: (f64, f64) = (1e-3, 5e4);
 /// Radial clearances of hinges are 0.01 to 2 % of the radius.
-const LARGEST_CLEARANCE: f64 = 0.2;
+const LARGEST_CLEARANCE: f64 = 0.1;
 /// Young's moduli from PTFE to diamond [Pa].
 const MODULI: (f64, f64) = (3e8, 2e12);
 /// Wear coefficients per hardness, from films in oil to abrasion of plastics, 1e-2 mm^3/(N m) [1/Pa].

@@ -25,6 +25,9 @@ const SPEED: f64 = 30.0;
 pub fn read(text: &str) -> Result<ImportedLinkage, String> {
     let linkage = match text.trim_start() {
         xml if xml.starts_with('<') => linkage2(text)?,
+        json if json.starts_with('{') => {
+            return Err("is JSON: PMKS+ keeps a mechanism in its link, https://...".to_owned());
+        }
         link if link.starts_with("http") => pmks_plus::read(link.split_once('?').unwrap_or_default().1)?,
         _ => pmks(text)?,
     };

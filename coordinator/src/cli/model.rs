@@ -3,6 +3,7 @@
 use super::output::count;
 use common::accuracy::NamedAccuracy;
 use common::scene::{Motion, Scene};
+use coordinator::presentation::format::duration;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use worker::simulate::{ContactArc, FirstLook, IslandModel, first_look};
@@ -49,7 +50,9 @@ impl Model {
     pub fn expected(&self) -> Option<String> {
         let look = self.look.as_ref().ok()?;
         let (seconds, steps, accuracy) = (look.expected.as_secs_f64(), look.steps_per_cycle, &self.accuracy);
-        Some(format!("about {seconds:.2} s a simulation at `{accuracy}` here, {steps} time steps a cycle"))
+        let time =
+            if seconds < 60.0 { format!("{seconds:.2} s") } else { duration(seconds).replace('\u{a0}', " ") };
+        Some(format!("about {time} a simulation at `{accuracy}` here, {steps} time steps a cycle"))
     }
 
     /// Writes the model as text.

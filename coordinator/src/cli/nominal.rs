@@ -5,7 +5,7 @@ use super::measured::{MeasuredFinding, measured_findings};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
-use common::scene::{Fails, JointKind, Scene, SceneSource, Warning};
+use common::scene::{Fails, JointKind, Life, Scene, SceneSource, Warning};
 use coordinator::presentation::motion_cautions::cautions;
 use coordinator::presentation::nominal_life::{NominalLife, Reached, nominal_lives};
 use coordinator::presentation::report::format::{count as grouped, three_digits};
@@ -29,11 +29,16 @@ const LARGEST_PRESSURE: f64 = 0.02;
 /// beginning on only as far as it takes to pass every limit.
 const BLOCKS: u32 = 24;
 
-/// Share of such a life that is simulated first.
+/// Cycles of such a life that are simulated first, for its order of magnitude, and the most of it that is simulated next.
+const FIRST_CYCLES: u32 = 10;
 const FIRST_PART: f64 = 1.0 / 16.0;
 
-/// Life that is simulated next over the life at which the last limit is expected to be passed.
+/// Checkpoints of a part of a life, where those of the life are farther apart.
+const CHECKPOINTS: f64 = 12.0;
+
+/// Life that is simulated next over the life at which the last limit is expected to be passed, and the least one over that simulated last.
 const RESERVE: f64 = 1.3;
+const LEAST_GROWTH: f64 = 2.0;
 
 /// Simulates the nominal mechanism at an accuracy, or without one at `draft`, or where that fails at the accuracy of the scene; none for
 /// a scene with its own simulator. The life ends where every limit is passed by more than its error; `say` is told how far it is.
@@ -63,22 +68,25 @@ fn until_failed(
     say: &dyn Fn(String),
 ) -> Result<Evaluation, SimulationFailure> {
     let life = &scene.life;
-    let simulated = |cycles: u32| {
-        let longest = (block * f64::from(cycles)) as u32;
+    let simulated = |part: &Life| {
+        let longest = (block * f64::from(part.cycles)) as u32;
         let accuracy =
             Accuracy { cycle_jump: accuracy.cycle_jump.max(longest.min(LONGEST_BLOCK)), ..*accuracy };
-        simulate(&with_life(scene, cycles), &accuracy, SimulateOptions::WITH_FIRST_CYCLE)
+        simulate(&with_life(scene, part), &accuracy, SimulateOptions::WITH_FIRST_CYCLE)
     };
-    let whole_checkpoints = |cycles: f64| {
-        let every = f64::from(life.checkpoint_every);
-        ((cycles / every).ceil().max(1.0) * every).min(f64::from(life.cycles)) as u32
+    let part_of = |cycles: f64| {
+        let every = life.checkpoint_every.min((cycles / CHECKPOINTS).ceil() as u32);
+        let cycles = (cycles / f64::from(every)).ceil() * f64::from(every);
+        let is_part = cycles < f64::from(life.cycles);
+        if is_part { Life { cycles: cycles as u32, checkpoint_every: every, ..*life } } else { *life }
     };
     if scene.limit_states.is_empty() || life.cycles / accuracy.cycle_jump.max(1) <= BLOCKS {
-        return simulated(life.cycles);
+        return simulated(life);
     }
-    let mut cycles = whole_checkpoints(FIRST_PART * f64::from(life.cycles));
+    let mut part = part_of(f64::from(FIRST_CYCLES));
     loop {
-        let evaluation = simulated(cycles)?;
+        let evaluation = simulated(&part)?;
+        let cycles = part.cycles;
         let lives = nominal_lives(scene, &evaluation);
         let wanted = |life: &NominalLife| {
             let (expected, here) = (life.reached.expected(), f64::from(cycles));
@@ -95,9 +103,14 @@ fn until_failed(
         let each: Vec<String> = lives.iter().map(each).collect();
         let [done, all] = [cycles, life.cycles].map(|cycles| grouped(cycles.into()));
         say(format!("{done} of {all} cycles simulated: {}", each.join(", ")));
-        let next = whole_checkpoints(RESERVE * expected.min(2.0 * f64::from(life.cycles)));
+        let next = (RESERVE * expected).max(LEAST_GROWTH * f64::from(cycles));
+        let first_part = FIRST_PART * f64::from(life.cycles);
         // No more than a part again, or all of it.
-        cycles = if next > cycles && next < life.cycles / 2 { next } else { life.cycles };
+        part = match next {
+            next if cycles == FIRST_CYCLES => part_of(next.min(first_part)),
+            next if next < 0.5 * f64::from(life.cycles) => part_of(next),
+            _ => *life,
+        };
     }
 }
 
@@ -105,10 +118,12 @@ fn until_failed(
 const MOST_BEYOND: f64 = 2.0;
 
 /// The scene with a shorter life, under every condition.
-fn with_life(scene: &Scene, cycles: u32) -> Scene {
+fn with_life(scene: &Scene, part: &Life) -> Scene {
     let mut scene = scene.clone();
-    scene.life.cycles = cycles;
-    scene.conditions.iter_mut().for_each(|condition| condition.scene.life.cycles = cycles);
+    let shorten =
+        |life: &mut Life| (life.cycles, life.checkpoint_every) = (part.cycles, part.checkpoint_every);
+    shorten(&mut scene.life);
+    scene.conditions.iter_mut().for_each(|condition| shorten(&mut condition.scene.life));
     scene
 }
 
@@ -199,7 +214,7 @@ fn warning(scene: &Scene, life: &NominalLife) -> Option<String> {
             life.shown(life.unworn?),
             life.doubt(life.unworn?, life.errors[0]),
         )),
-        Reached::After(cycles) if life.limit.is_reached(life.first) => {
+        Reached::After(cycles) if cycles < f64::from(every) => {
             life.unworn?;
             let remedy = match finer_checkpoints(scene.life.cycles, cycles) {
                 Some(finer) if finer < every => format!("checkpoint_every = {finer} resolves its life"),
@@ -207,8 +222,7 @@ fn warning(scene: &Scene, life: &NominalLife) -> Option<String> {
             };
             Some(format!(
                 "the nominal mechanism reaches the limit of {limit} after about {cycles:.0} cycles, before the first checkpoint at \
-                 {every}, where it has {}: {remedy}{}",
-                life.shown(life.first),
+                 {every}: {remedy}{}",
                 life.doubt(life.first, life.errors[0])
             ))
         }
