@@ -20,9 +20,15 @@ const MOST_SCATTER: f64 = 5.0;
 const SCREENED: usize = 2000;
 
 /// Distributions of the random variables of a study in the order of its simulations, those of `present` by name, and the indices of
-/// its design variables, which `present` does not have.
+/// its design variables, which `present` does not have, or as constants.
 pub fn laws_of(studied: &Scene, present: &Scene) -> (Vec<Distribution>, Vec<usize>) {
-    let own = |variable: &RandomVariable| present.variables.iter().find(|own| own.name == variable.name);
+    let is_constant = |variable: &RandomVariable| variable.distribution.is_constant();
+    let own = |variable: &RandomVariable| {
+        present
+            .variables
+            .iter()
+            .find(|own| own.name == variable.name && (!is_constant(own) || is_constant(variable)))
+    };
     let law = |variable| own(variable).unwrap_or(variable).distribution.clone();
     let laws = studied.variables.iter().map(law).collect();
     let designs = (0..studied.variables.len()).filter(|k| own(&studied.variables[*k]).is_none());

@@ -191,7 +191,7 @@ impl UnitReader<'_> {
         let (variable, word) = name.rsplit_once('.').unwrap_or((name, ""));
         let variables = self.scene.variables.iter().map(|variable| variable.name.as_str());
         let k = row.meant("quantity", "random variable", variable, variables)?;
-        let distribution = &self.scene.variables[k].distribution;
+        let distribution = &self.model.inputs().variables()[k];
         let is_design = designs.contains(&k);
         let moment = match (word, is_design) {
             ("mean", false) | ("", true) => Moment::Mean,

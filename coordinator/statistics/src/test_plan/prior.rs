@@ -2,7 +2,8 @@
 //!
 //! The prior is a beta distribution, R ~ Beta(a, b), with a given mean m = a / (a + b) and at least a given 95 % interval: of all those
 //! that contain it the one with the largest a + b, and b >= 1: the density does not grow without bound towards R = 1. Where the
-//! interval ends at R = 1, as with no failure in a population, b = 1 and a gives the lower limit alone. a + b is the number of units
+//! interval ends at R = 1, as with no failure in a population, b = 1 and a gives the lower limit alone; where it begins at R = 0, a = 1 and b
+//! gives the upper limit. a + b is the number of units
 //! that the prior is worth.
 //!
 //! After c failures of n units over x lives, which see R^k with k = x^shape, the density is that of the prior times
@@ -52,9 +53,13 @@ impl BetaPrior {
         let widest = 1.0 / mean.min(1.0 - mean);
         let found = largest((widest, most), |sum| contains(&of_mean(sum))).map(of_mean);
         found.unwrap_or_else(|| {
-            // P(R < lower) = lower^a with b = 1.
-            let survived = (0.025_f64.ln() / lower.clamp(1e-12, 1.0 - 1e-12).ln()).clamp(0.0, most - 1.0);
-            Self { survived: survived.max(1.0), failed: 1.0 }
+            // P(R < lower) = lower^a with b = 1, P(R > upper) = (1 - upper)^b with a = 1.
+            let units = |bound: f64| 0.025_f64.ln() / bound.clamp(1e-12, 1.0 - 1e-12).ln();
+            let other = |bound: f64| units(bound).clamp(0.0, most - 1.0).max(1.0);
+            if mean < 0.5 {
+                return Self { survived: 1.0, failed: other(1.0 - upper) };
+            }
+            Self { survived: other(lower), failed: 1.0 }
         })
     }
 
@@ -149,6 +154,8 @@ mod tests {
         // No failure in a population: the lower limit alone.
         let none = BetaPrior::containing(1.0, [0.999, 1.0], f64::INFINITY);
         assert!((none.below(0.999) - 0.025).abs() < 1e-12 && none.failed == 1.0);
+        let all = BetaPrior::containing(1e-4, [0.0, 4.4e-4], f64::INFINITY);
+        assert!((all.below(4.4e-4) - 0.975).abs() < 1e-12 && all.survived == 1.0);
         assert!((BetaPrior::containing(0.98, [0.96, 0.992], 60.0).units() - 60.0).abs() < 1e-9);
         assert!(BetaPrior::containing(0.98, [0.96, 0.992], 30.0).units() <= 30.0);
     }
