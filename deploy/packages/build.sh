@@ -91,6 +91,11 @@ if [ "$libc" = musl ]; then
 fi
 for file in README.md certificates.sh ssh-workers.sh slurm; do cp -R "$top/deploy/$file" "$doc/"; done
 cp "$top"/deploy/*.json5 "$doc/"
+# The manual, where the links of the front page lead.
+for folder in coordinator/doc common/scenes; do
+    mkdir -p "$doc/$folder"
+    cp -R "$top/$folder/." "$doc/$folder"
+done
 mv "$doc/README.md" "$doc/deployment.md"
 install -m 644 "$top/README.md" "$doc/README.md"
 chmod -R u=rwX,go=rX "$tree"

@@ -42,9 +42,9 @@ def contents(tree, project, tag):
     stem = f"{project['name']}-{project['version']}"
     info, doc = f"{stem}.dist-info", tree / "share/doc/hingewise"
     licences = ("LICENSE", "third-party-licences.txt")
-    files = {f"hingewise/{file.name}": file.read_bytes() for file in (PYTHON / "hingewise").glob("*.py")}
+    files = {f"hingewise/{file.name}": file.read_bytes() for file in (PYTHON / "hingewise").glob("*.py*") if file.is_file()}
     programs = {f"{stem}.data/scripts/{file.name}": file.read_bytes() for file in (tree / "bin").iterdir()}
-    for part in ("man", "bash-completion", "zsh", "fish"):
+    for part in ("man", "bash-completion", "zsh", "fish", "doc"):
         for file in (tree / "share" / part).rglob("*"):
             if file.is_file():
                 files[f"{stem}.data/data/{file.relative_to(tree)}"] = file.read_bytes()

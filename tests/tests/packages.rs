@@ -97,7 +97,9 @@ fn assert_complete(share: &Path, compressed: &str) {
     ];
     let completions = ["coordinator", "worker"].map(|name| format!("bash-completion/completions/{name}"));
     let fish = ["coordinator", "worker"].map(|name| format!("fish/vendor_completions.d/{name}.fish"));
-    for file in pages.iter().chain(&completions).chain(&fish) {
+    let manual = ["coordinator/doc/tutorial.md", "common/scenes/README.md"]
+        .map(|name| format!("doc/hingewise/{name}"));
+    for file in pages.iter().chain(&completions).chain(&fish).chain(&manual) {
         assert!(share.join(file).metadata().is_ok_and(|file| file.len() > 500), "{file}");
     }
     let licences = std::fs::read_to_string(share.join("doc/hingewise/third-party-licences.txt")).unwrap();

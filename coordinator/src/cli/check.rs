@@ -1,5 +1,6 @@
 //! `coordinator check`: every fault and warning of a scene with its place, for people and for editors.
 
+use super::contact_choices::{ContactChange, contact_changes};
 use super::draw::{check_picture, look};
 use super::external;
 use super::measured::MeasuredFinding;
@@ -42,6 +43,7 @@ Examples:
   coordinator check my.toml
   coordinator check my.toml --quick
   coordinator check my.toml --draw my.svg
+  coordinator check my.toml --contact
   coordinator check my.toml --set parameters.crank='25 mm' --accuracy balanced
   coordinator check my.toml --json";
 
@@ -58,6 +60,9 @@ pub struct CheckArguments {
     /// Check text and linkage only: simulate no life
     #[arg(long, conflicts_with = "accuracy")]
     pub quick: bool,
+    /// State how much the lives change with twice the film damping, the friction speed and the damping of the contacts
+    #[arg(long, conflicts_with = "quick")]
+    pub contact: bool,
     /// Accuracy of the simulated life [default: draft, with longer blocks of wear in a long life]
     #[arg(long, value_name = "draft|balanced|reference|NAME")]
     pub accuracy: Option<NamedAccuracy>,
@@ -85,7 +90,7 @@ pub fn check(arguments: &CheckArguments, verbosity: Verbosity) -> Done {
 }
 
 fn run(arguments: &CheckArguments, verbosity: Verbosity) -> Done {
-    let CheckArguments { file, set, draw, quick, accuracy } = arguments;
+    let CheckArguments { file, set, draw, quick, accuracy, contact } = arguments;
     let at_once = |text: &str| if verbosity.json { Ok(()) } else { print(text) };
     let source = valid_scene(file, set)?;
     let scene = source.nominal();
@@ -98,15 +103,21 @@ fn run(arguments: &CheckArguments, verbosity: Verbosity) -> Done {
         cost = Model::new(scene, accuracy.as_ref().unwrap_or(&scene.accuracy)).expected();
         at_once(&cost.iter().map(|cost| format!("cost: {cost}\n")).collect::<String>())?;
     }
-    let evaluation = if *quick {
-        None
-    } else {
+    let mut evaluation = None;
+    let mut changes = Vec::new();
+    if !quick {
         let cycles = with_separators(scene.life.cycles.into());
         let doing = format!("simulating {cycles} cycles, or until every limit is passed");
         let given = accuracy.as_ref().map(|named| &named.accuracy);
-        while_waiting(verbosity.quiet, doing, |say| nominal_evaluation(scene, given, say))
-            .map_err(|failure| CommandError::of_simulation(source.origin(), scene, failure))?
-    };
+        let failed = |failure| CommandError::of_simulation(source.origin(), scene, failure);
+        evaluation = while_waiting(verbosity.quiet, doing, |say| nominal_evaluation(scene, given, say))
+            .map_err(failed)?;
+        if let (true, Some(found)) = (*contact, &evaluation) {
+            let doing = "simulating other contacts".to_owned();
+            changes = while_waiting(verbosity.quiet, doing, |say| contact_changes(scene, given, found, say))
+                .map_err(failed)?;
+        }
+    }
     let unused = source.unused_parameters();
     let found = findings(&source, evaluation.as_ref());
     if verbosity.json {
@@ -116,7 +127,7 @@ fn run(arguments: &CheckArguments, verbosity: Verbosity) -> Done {
         });
         return print(&to_json(&json!({ "file": file, "scene": scene.name, "valid": true, "faults": [],
                                        "cost": cost, "loads": loads,
-                                       "nominal": found.lives_json(),
+                                       "nominal": found.lives_json(), "contact": changes,
                                        "measured": found.measured, "unused_parameters": unused,
                                        "warnings": warnings.collect::<Value>() }))?);
     }
@@ -132,6 +143,7 @@ fn run(arguments: &CheckArguments, verbosity: Verbosity) -> Done {
         names => format!("the nominal mechanism fails unworn by {}\n", names.join(" and ")),
     };
     text += &found.lines("nominal");
+    text.extend(changes.iter().map(ContactChange::line));
     if *quick && is_mechanism {
         text.push_str("its life was not simulated (--quick)\n");
     }

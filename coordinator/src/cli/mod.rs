@@ -6,6 +6,7 @@ mod calibrate;
 mod check;
 mod command;
 mod compare;
+mod contact_choices;
 mod designs;
 mod doctor;
 mod draw;

@@ -6,9 +6,8 @@ use super::{
     CommandError, Destination, Done, FarmArguments, OpenedStudy, Verbosity, answer_with, positive, share,
 };
 use clap::Args;
-use coordinator::analyses::learn::{confident_figure, confident_tables};
+use coordinator::analyses::learn::{confident_figure, confident_parts};
 use coordinator::analyses::what_if::{answer, changed_scene, json, redistributed};
-use coordinator::presentation::report::answer::AnswerPart;
 use std::path::PathBuf;
 
 pub const EXAMPLES: &str = "\
@@ -100,7 +99,7 @@ pub fn what_if(arguments: &WhatIfArguments, verbosity: Verbosity) -> Done {
     if let Some(confidence) = confidence {
         let confident = opened.confident(&changed, *confidence)?;
         let end = f64::from(changed.nominal().life.cycles);
-        answer.parts.splice(1..1, confident_tables(&confident, end).map(AnswerPart::Table));
+        answer.parts.splice(1..1, confident_parts(&confident, end));
         answer.figures.push(confident_figure(&confident, &found.after.reliability, end));
         as_json["confident"] = serde_json::to_value(&confident)?;
     }

@@ -29,4 +29,4 @@ pub use fleet::learn;
 pub use population::{fitted_reliability, uncertain_fits};
 pub use result::{LearnReport, LearnSettings};
 pub use space::laws_of;
-pub use text::{answer, confident_answer, confident_figure, confident_tables};
+pub use text::{answer, confident_answer, confident_figure, confident_parts};

@@ -1,6 +1,8 @@
 //! Unknown parameters of a study's population with their priors, and the distributions of the points by which they are tried.
 
-use crate::analyses::update::{Moment, Observable, Observation, ObservedUnit, Quantity, UnknownParameter};
+use crate::analyses::update::{
+    Moment, Observable, Observation, ObservedUnit, Quantity, UnknownParameter, WIDE,
+};
 use crate::statistics::design::{InputModel, Population};
 use crate::statistics::updating::{ParameterPrior, ParameterSpace, UncertainVariable, is_positive_family};
 use crate::study::LifeModel;
@@ -8,8 +10,6 @@ use common::random::{Distribution, RandomVariable};
 use common::scene::Scene;
 use std::collections::BTreeSet;
 
-/// Bounds of a flat prior of a mean [standard deviations of the study], and of a spread, up and down [factor].
-const WIDE: f64 = 5.0;
 /// Spread by which a value that all units share is represented [range of the design variable].
 const KERNEL: f64 = 0.02;
 /// Spread of the points over that of the population they are made for [1].

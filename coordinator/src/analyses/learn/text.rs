@@ -9,6 +9,13 @@ use crate::results::csv_table::number;
 use crate::results::summary::ReliabilityRow;
 use crate::statistics::updating::{ConfidentLife, ConfidentReliability, ConfidentRow};
 
+/// Share of the units outside the simulated values above which the lives are extrapolations [1].
+const MOST_OUTSIDE: f64 = 0.5;
+
+/// What the bounds leave out.
+const NOT_IN_BOUNDS: &str = "The errors of the surrogates count as scatter between units; an error that all units share, and the \
+                                 numerical error of the simulated lives, are not in the bounds.";
+
 /// Most checkpoints in a table.
 const ROWS: usize = 12;
 
@@ -22,6 +29,15 @@ pub fn answer(report: &LearnReport) -> Answer {
     };
     let stated = confident_answer(confident, &report.scene, &report.study, report.end);
     let mut parts = stated.parts;
+    if let Some(left) =
+        report.left.iter().max_by(|a, b| a.outside.total_cmp(&b.outside)).filter(|l| l.outside > MOST_OUTSIDE)
+    {
+        let (outside, name) = (percent(left.outside), &left.name);
+        let text = format!(
+            "**Not supported: {outside} of the units have values of {name} that were not simulated.**"
+        );
+        parts.insert(1, AnswerPart::Text(text));
+    }
     let before = report.before.as_ref().map(|b| AnswerPart::Text(format!("Before {added}: {}", sentence(b))));
     parts.splice(1..1, before);
     let interval = format!("{} interval", percent(confident.confidence));
@@ -64,12 +80,11 @@ pub fn confident_answer(
     study: &[ReliabilityRow],
     end: f64,
 ) -> Answer {
-    let tables = confident_tables(confident, end).into_iter().map(AnswerPart::Table);
     let first = [AnswerPart::Text(sentence(confident)), AnswerPart::Figures];
     Answer {
         name: "confidence".to_owned(),
         title: format!("Reliability of {scene} at a confidence"),
-        parts: first.into_iter().chain(tables).collect(),
+        parts: first.into_iter().chain(confident_parts(confident, end)).collect(),
         figures: vec![confident_figure(confident, study, end)],
         ..Answer::default()
     }
@@ -84,8 +99,8 @@ fn sentence(confident: &ConfidentReliability) -> String {
     })
 }
 
-/// Lives, and R at the checkpoints where it falls.
-pub fn confident_tables(confident: &ConfidentReliability, end: f64) -> [Table; 2] {
+/// Lives, R at the checkpoints where it falls, and what these bounds leave out.
+pub fn confident_parts(confident: &ConfidentReliability, end: f64) -> [AnswerPart; 3] {
     let c = percent(confident.confidence);
     let cycles =
         |life: Option<f64>| life.map_or(format!("> {}", count(end as u64)), |life| count(life as u64));
@@ -104,10 +119,11 @@ pub fn confident_tables(confident: &ConfidentReliability, end: f64) -> [Table; 2
     let (bound, interval) = (format!("at least, C = {c}"), format!("{c} interval"));
     let of_life = ["life at", &bound, "median", &interval];
     let of_r = ["cycles", &bound, "median", &interval, "one more unit"];
-    [
-        Table::new("Lives of the system [cycles]", of_life, confident.lives.iter().map(life)),
-        Table::new("Reliability of the system", of_r, spread(&falling, ROWS).into_iter().map(r)),
-    ]
+    let lives = Table::new("Lives of the system [cycles]", of_life, confident.lives.iter().map(life));
+    let reliability =
+        Table::new("Reliability of the system", of_r, spread(&falling, ROWS).into_iter().map(r));
+    let left_out = AnswerPart::Text(NOT_IN_BOUNDS.to_owned());
+    [AnswerPart::Table(lives), AnswerPart::Table(reliability), left_out]
 }
 
 fn parameter_row(parameter: &LearnedParameter) -> Vec<String> {
@@ -137,9 +153,6 @@ fn notes(report: &LearnReport) -> Vec<String> {
              points.",
             confident.effective_size
         ),
-        "The errors of the surrogates count as scatter between units; an error that all units share, and the numerical error of the \
-         simulated lives, are not in the bounds."
-            .to_owned(),
     ];
     let chosen = "The file names no unknown parameter: they are those of the measured variables and of the one with the most influence \
                   on the life. Rows of the unit `population` name others, with their priors.";

@@ -24,6 +24,7 @@ pub(in crate::analyses) use predictor::Prior;
 pub use result::{ObservationRow, UnitReport};
 pub use text::answer;
 pub(in crate::analyses) use text::counted_units;
+pub(in crate::analyses) use unit_file::WIDE;
 #[cfg(test)]
 pub(in crate::analyses) use unit_file::parse as parse_fleet;
 pub use unit_file::read as read_fleet;

@@ -12,6 +12,7 @@ use super::observation::{
     FleetData, Moment, Observable, Observation, ObservedUnit, Quantity, UnknownParameter,
 };
 use crate::analyses::quantity::output_quantity;
+use crate::presentation::format::shortest;
 use crate::statistics::updating::is_positive_family;
 use crate::study::LifeModel;
 use common::random::Distribution;
@@ -39,6 +40,13 @@ pub fn read(
 
 /// The unit whose rows name what is not known of all.
 const POPULATION: &str = "population";
+
+/// Bounds of what a study says of a mean [its standard deviations], and of a spread, up and down [factor].
+pub const WIDE: f64 = 5.0;
+
+/// Standard deviations of a stated prior that have to reach these bounds [1].
+const BEYOND: f64 = 3.0;
+
 /// The unit whose rows name the prices of further observations.
 const PRICE: &str = "price";
 
@@ -239,6 +247,16 @@ impl UnitReader<'_> {
             if is_design && !(lower < value && value < upper) {
                 let range = format!("{lower} to {upper} [SI]");
                 row.inconsistent("value", format!("allowed: within the range of the study, {range}"));
+            }
+            let (mean, std) = (distribution.parent_mean(), distribution.given_std());
+            let (lower, upper) = match moment {
+                Moment::Mean => (mean - WIDE * std, mean + WIDE * std),
+                Moment::Std => (std / WIDE, std * WIDE),
+            };
+            if !is_design && (value + BEYOND * error < lower || value - BEYOND * error > upper) {
+                let range = format!("{} to {}", shortest(lower, 4), shortest(upper, 4));
+                let fault = format!("allowed: near {range} [SI], by the {variable} of the study; it knows nothing of others");
+                row.inconsistent("value", fault);
             }
             if error <= 0.0 {
                 row.inconsistent("error", "allowed: the standard deviation of the prior, above 0; nothing in both columns for a flat one");
