@@ -112,7 +112,7 @@ fn report(scene: &str, options: &[&str], folder: &Path) -> PathBuf {
     let study = folder.join(scene);
     let mut command = Command::new(program("coordinator"));
     let output = command
-        .args(["run", "--scene", scene, "-q"])
+        .args(["run", scene, "-q"])
         .args(options)
         .arg("--out")
         .arg(&study)

@@ -4,7 +4,7 @@ use super::evaluation_json::{of_mechanism, of_outputs};
 use super::external;
 use super::output::{check_destination, deliver, file_of};
 use super::{
-    AccuracyArguments, CommandError, DEFAULT_SCENE, Done, Verbosity, check_linkage, count, print, to_json,
+    AccuracyArguments, CommandError, Done, SceneArguments, Verbosity, check_linkage, count, print, to_json,
 };
 use clap::Args;
 use common::outputs::{Evaluation, NarrowGroove};
@@ -24,12 +24,8 @@ use worker::simulate::{self, SimulateOptions};
 /// Arguments of `coordinator simulate`.
 #[derive(Debug, Clone, Args)]
 pub struct SimulateArguments {
-    /// Scene file, or name of a built-in scene
-    #[arg(long, default_value = DEFAULT_SCENE, value_name = "NAME-or-FILE")]
-    pub scene: String,
-    /// Set a random variable, or any quantity by its key, e.g. rod_length=40.05mm
-    #[arg(long, value_name = "variable=value")]
-    pub set: Vec<String>,
+    #[command(flatten)]
+    pub scene: SceneArguments,
     #[command(flatten)]
     pub accuracy: AccuracyArguments,
     /// Write the JSON to simulate.json in this folder, created if missing, instead of standard output; a path with an ending is the file
@@ -47,8 +43,9 @@ pub struct SimulateArguments {
 pub fn simulate(arguments: &SimulateArguments, verbosity: Verbosity) -> Done {
     let out = arguments.out.as_deref().map(|out| file_of(out, "simulate.json")).transpose()?;
     check_destination(arguments.report.as_deref())?;
-    let source = SceneSource::load(&arguments.scene)?;
-    let settings = source.parse_settings(&arguments.set)?;
+    let set = &arguments.scene.values.set;
+    let source = SceneSource::load(arguments.scene.name.get())?;
+    let settings = source.parse_settings(set)?;
     if source.nominal().simulator.is_some() {
         external::check_accuracy(source.origin(), &arguments.accuracy)?;
         if arguments.report.is_some() {
@@ -65,7 +62,7 @@ pub fn simulate(arguments: &SimulateArguments, verbosity: Verbosity) -> Done {
     let wall = start.elapsed().as_secs_f64();
     let simulated = Simulated { scene: &scene, accuracy: &accuracy.name, evaluation: &evaluation, wall };
     if let Some(file) = &arguments.report {
-        write_text(file, &simulated.report(&arguments.set, source.text()))?;
+        write_text(file, &simulated.report(set, source.text()))?;
     }
     // A person reads lines, a script the object.
     let to_person = !verbosity.json && out.is_none() && std::io::stdout().is_terminal();

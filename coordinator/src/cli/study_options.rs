@@ -1,8 +1,8 @@
 //! Options of a study, and the settings they make of a scene's defaults.
 
 use super::monitor::MonitorArguments;
-use super::shared::{ReportTexts, word, word_or_auto};
-use super::{AccuracyArguments, FarmArguments, positive, seed, share};
+use super::shared::{ReportTexts, SetArguments, word, word_or_auto};
+use super::{AccuracyArguments, FarmArguments, Suggested, positive, seed, share};
 use clap::Args;
 use common::accuracy::{LevelsError, NamedAccuracy};
 use common::scene::Scene;
@@ -17,13 +17,8 @@ type OrAuto<T> = Option<T>;
 /// Options of `coordinator run`.
 #[derive(Debug, Clone, Default, Args, PartialEq)]
 pub struct RunArguments {
-    /// Scene file, or name of a built-in scene [default: flapping-wing]
-    #[arg(long, value_name = "NAME-or-FILE", help_heading = "Scene")]
-    pub scene: Option<String>,
-    /// Set a quantity of the scene by its key, the mean of a random variable by its name, or a distribution or threshold
-    /// as in `what-if`; repeatable
-    #[arg(long, value_name = "KEY=VALUE", help_heading = "Scene")]
-    pub set: Vec<String>,
+    #[command(flatten)]
+    pub values: SetArguments,
     /// Make a quantity, a mean, a spread or a threshold a design variable, e.g. parameters.clearance='18 um..30 um': the study
     /// then answers for every design within the range, see `designs`; up to three
     #[arg(long, value_name = "KEY=LOWER..UPPER", help_heading = "Scene")]
@@ -43,6 +38,8 @@ pub struct RunArguments {
         long,
         value_name = "A,B,C",
         value_delimiter = ',',
+        value_parser = Suggested::accuracy(),
+        hide_possible_values = true,
         conflicts_with_all = ["accuracy", "max_error"],
         help_heading = "Accuracy"
     )]

@@ -46,7 +46,7 @@ fn the_test_of_a_fit_is_shown() {
     // The values were drawn from a lognormal distribution; an exponential one has another shape.
     assert!(p("lognormal") > 0.05 && p("exponential") < 0.01, "{families:?}");
     assert!(
-        stdout(&coordinator(&["explain", "--scene", scene])).contains("friction: empirical distribution")
+        stdout(&coordinator(&["explain", scene])).contains("friction: empirical distribution")
     );
 
     let text = std::fs::read_to_string(scene).unwrap();
@@ -64,7 +64,6 @@ fn a_study_goes_on_without_the_files() {
     let study = study.to_str().unwrap();
     let arguments = [
         "run",
-        "--scene",
         scene.to_str().unwrap(),
         "--accuracy",
         "draft",
