@@ -5,7 +5,9 @@ use super::external;
 use super::measured::MeasuredFinding;
 use super::model::Model;
 use super::nominal::{findings, nominal_evaluation};
-use super::{CommandError, Done, SceneArguments, Suggested, Verbosity, check_linkage, count, print, to_json};
+use super::{
+    CommandError, Done, SceneArguments, Verbosity, accuracy_name, check_linkage, count, print, to_json,
+};
 use clap::Args;
 use common::accuracy::NamedAccuracy;
 use common::external::SimulatorId;
@@ -57,7 +59,7 @@ pub struct CheckArguments {
     #[arg(long, conflicts_with = "accuracy")]
     pub quick: bool,
     /// Accuracy of the simulated life [default: draft, with longer blocks of wear in a long life]
-    #[arg(long, value_name = "draft|balanced|reference|NAME", value_parser = Suggested::accuracy(), hide_possible_values = true)]
+    #[arg(long, value_name = "draft|balanced|reference|NAME", value_parser = accuracy_name(), hide_possible_values = true)]
     pub accuracy: Option<NamedAccuracy>,
 }
 

@@ -3,9 +3,9 @@
 #[cfg(test)]
 mod tests;
 
-use super::shared::SceneName;
+use super::scene_options::SceneName;
 use super::study_options::{ResumeArguments, RunArguments};
-use super::{AccuracyArguments, SceneArguments, Suggested, Verbosity};
+use super::{AccuracyArguments, SceneArguments, Verbosity, scene_name};
 use super::{
     calibrate, check, compare, designs, doctor, draw, init, learn, optimise, replace, results, simulate,
     status, test_plan, tradeoff, update, weibull, what_if,
@@ -229,7 +229,7 @@ Examples:
     #[command(after_help = "Examples:\n  coordinator scenes\n  coordinator scenes --json")]
     Scenes {
         /// Print the TOML text of this built-in scene, as a start for a new one
-        #[arg(long, value_name = "NAME", value_parser = Suggested::scene(), hide_possible_values = true)]
+        #[arg(long, value_name = "NAME", value_parser = scene_name(), hide_possible_values = true)]
         show: Option<String>,
     },
     /// Draw the mechanism of a scene: SVG, or a sketch in the terminal

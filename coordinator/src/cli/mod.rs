@@ -26,6 +26,7 @@ mod output;
 mod replace;
 mod results;
 mod run;
+mod scene_options;
 mod scenes;
 mod shared;
 mod shell;
@@ -48,11 +49,9 @@ use coordinator::presentation::terminal::print_message;
 use error::{CommandError, Done};
 use farm::{CommandEvaluator, WorkerFarm, of_mechanism};
 use output::{Destination, answer_with, count, print, to_json};
+use scene_options::{DEFAULT_SCENE, SceneArguments, accuracy_name, load_with, scene_name};
 use scenes::check_linkage;
-use shared::{
-    DEFAULT_SCENE, FarmArguments, SceneArguments, Suggested, Verbosity, load_with, positive, probability,
-    seed, share, value, whole,
-};
+use shared::{FarmArguments, Verbosity, positive, probability, seed, share, value, whole};
 use std::process::ExitCode;
 use stored_study::{OpenedStudy, StoredStudy, failed, known_outcomes, stored_correction, summary_of};
 use study_options::RunArguments;

@@ -1,23 +1,16 @@
 //! Options, defaults and value parsers that several commands share.
 
-use clap::builder::{PossibleValue, PossibleValuesParser, StringValueParser, TypedValueParser};
-use clap::{Arg, Args, Command};
-use common::accuracy::{Accuracy, NamedAccuracy};
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use common::scene::{Faults, SceneSource};
-use coordinator::analyses::scene_settings::scene_with;
 use coordinator::farm::allocation::BatchSystem;
 use coordinator::presentation::terminal::print_message;
 use coordinator::statistics::named::{AUTO, parse_or_auto};
 use std::error::Error;
-use std::ffi::OsStr;
 use std::fmt::Display;
-use std::marker::PhantomData;
 use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::Duration;
-
-/// The scene of a command that names none.
-pub const DEFAULT_SCENE: &str = "flapping-wing";
 
 /// Largest number of local worker slots.
 const MOST_SLOTS: usize = 1024;
@@ -46,62 +39,6 @@ impl Verbosity {
             print_message(message);
         }
     }
-}
-
-/// The scene that a command reads.
-#[derive(Debug, Clone, Args)]
-pub struct SceneName {
-    /// Scene file, or name of a built-in scene
-    #[arg(default_value = DEFAULT_SCENE, value_parser = Suggested::scene(), hide_possible_values = true)]
-    scene: String,
-    /// Scene, as earlier versions named it
-    #[arg(long = "scene", hide = true, value_name = "SCENE", conflicts_with = "scene")]
-    named: Option<String>,
-}
-
-impl SceneName {
-    /// Name or file of the scene.
-    pub fn get(&self) -> &str {
-        self.named.as_ref().unwrap_or(&self.scene)
-    }
-}
-
-/// Values set in a scene.
-#[derive(Debug, Clone, Default, Args, PartialEq)]
-#[command(next_help_heading = "Scene")]
-pub struct SetArguments {
-    /// Set a quantity of the scene by its key, the mean of a random variable by its name, or a distribution or threshold as in
-    /// `what-if`; repeatable
-    #[arg(long, value_name = "KEY=VALUE")]
-    pub set: Vec<String>,
-}
-
-/// A scene with values set in it.
-#[derive(Debug, Clone, Args)]
-pub struct SceneArguments {
-    #[command(flatten)]
-    pub name: SceneName,
-    #[command(flatten)]
-    pub values: SetArguments,
-}
-
-impl SceneArguments {
-    /// The scene.
-    ///
-    /// # Errors
-    /// [`Faults`] of the scene and of the values.
-    pub fn load(&self) -> Result<SceneSource, Faults> {
-        load_with(self.name.get(), &self.values.set)
-    }
-}
-
-/// The scene of this name or file with these settings.
-///
-/// # Errors
-/// [`Faults`] of the scene and of the settings.
-pub fn load_with(name: &str, set: &[String]) -> Result<SceneSource, Faults> {
-    let source = SceneSource::load(name)?;
-    if set.is_empty() { Ok(source) } else { scene_with(&source, set) }
 }
 
 /// Who is responsible for a study, as its report states it, in place of what the scene states.
@@ -305,39 +242,6 @@ where
 {
     let names = std::iter::once(AUTO).chain(names.iter().copied());
     PossibleValuesParser::new(names.collect::<Vec<_>>()).try_map(|name| parse_or_auto(&name))
-}
-
-/// Parser of any text that is a `T`; completions of the command line offer these names.
-#[derive(Debug, Clone)]
-pub struct Suggested<T>(Vec<&'static str>, PhantomData<T>);
-
-impl Suggested<String> {
-    /// Parser of a scene, with the names of the built-in ones.
-    pub fn scene() -> Self {
-        Self(SceneSource::builtin_names(), PhantomData)
-    }
-}
-
-impl Suggested<NamedAccuracy> {
-    /// Parser of an accuracy, with the names of the presets.
-    pub fn accuracy() -> Self {
-        Self(Accuracy::NAMES.to_vec(), PhantomData)
-    }
-}
-
-impl<T> TypedValueParser for Suggested<T>
-where
-    T: FromStr<Err: Error + Send + Sync + 'static> + Clone + Send + Sync + 'static,
-{
-    type Value = T;
-
-    fn parse_ref(&self, command: &Command, argument: Option<&Arg>, text: &OsStr) -> Result<T, clap::Error> {
-        StringValueParser::new().try_map(|text| text.parse()).parse_ref(command, argument, text)
-    }
-
-    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
-        Some(Box::new(self.0.iter().map(PossibleValue::new)))
-    }
 }
 
 /// Number of cores of this machine.

@@ -1,8 +1,9 @@
 //! Options of a study, and the settings they make of a scene's defaults.
 
 use super::monitor::MonitorArguments;
-use super::shared::{ReportTexts, SetArguments, word, word_or_auto};
-use super::{AccuracyArguments, FarmArguments, Suggested, positive, seed, share};
+use super::scene_options::SetArguments;
+use super::shared::{ReportTexts, word, word_or_auto};
+use super::{AccuracyArguments, FarmArguments, accuracy_name, positive, seed, share};
 use clap::Args;
 use common::accuracy::{LevelsError, NamedAccuracy};
 use common::scene::Scene;
@@ -38,7 +39,7 @@ pub struct RunArguments {
         long,
         value_name = "A,B,C",
         value_delimiter = ',',
-        value_parser = Suggested::accuracy(),
+        value_parser = accuracy_name(),
         hide_possible_values = true,
         conflicts_with_all = ["accuracy", "max_error"],
         help_heading = "Accuracy"

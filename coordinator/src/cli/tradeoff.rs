@@ -1,7 +1,7 @@
 //! `coordinator tradeoff`: time against error of the accuracy settings of a scene, with the workers of a study.
 
 use super::{
-    CommandError, Done, FarmArguments, SceneArguments, Suggested, Verbosity, WorkerFarm, check_linkage,
+    CommandError, Done, FarmArguments, SceneArguments, Verbosity, WorkerFarm, accuracy_name, check_linkage,
     of_mechanism, positive, print,
 };
 use clap::{Args, ValueEnum};
@@ -37,7 +37,7 @@ pub struct TradeoffArguments {
     pub settings: SettingsGrid,
     /// Measure this setting, and others by repeating the option: a preset, or one with changed parameters, e.g.
     /// draft+step-x0.71+jump-4000
-    #[arg(long, value_name = "NAME", value_parser = Suggested::accuracy(), hide_possible_values = true, conflicts_with = "settings", help_heading = "Method")]
+    #[arg(long, value_name = "NAME", value_parser = accuracy_name(), hide_possible_values = true, conflicts_with = "settings", help_heading = "Method")]
     pub setting: Vec<NamedAccuracy>,
     /// Folder for the results, created if missing
     #[arg(long, value_name = "DIR", help_heading = "Output")]

@@ -272,11 +272,7 @@ fn pictures_and_files_that_are_no_scenes() {
 
 #[test]
 fn unknown_scenes() {
-    for command in [
-        &["simulate", "flaping-wing"][..],
-        &["check", "flaping-wing"],
-        &["run", "flaping-wing"],
-    ] {
+    for command in [&["simulate", "flaping-wing"][..], &["check", "flaping-wing"], &["run", "flaping-wing"]] {
         one_message(
             &refused(command, 2),
             &["flaping-wing: no such scene or file", "did you mean \"flapping-wing\"?"],

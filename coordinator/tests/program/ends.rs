@@ -175,9 +175,7 @@ fn issue_too_many_failures_were_a_dead_end() {
     contains(&said, &["simulations failed", "too strong", "`coordinator resume one --max-failed"]);
     contains(&study.refused("report one", 2), &["ended without a result", "--max-failed"]);
     study.done(&format!("resume one --workers 2 --max-failed {share}% --quiet"));
-    study.done(&format!(
-        "run study.toml --workers 2 --seed 3 --max-failed {share}% --out two --quiet"
-    ));
+    study.done(&format!("run study.toml --workers 2 --seed 3 --max-failed {share}% --out two --quiet"));
     assert_eq!(study.summary("one"), study.summary("two"));
     assert_eq!(study.samples("one"), study.samples("two"));
 }

@@ -72,9 +72,7 @@ fn a_program_with_files_fails_like_one_with_lines() {
             reply = format!("{fault} if request['id'] == {} else {reply}", 5 + k);
         }
         let Some(study) = with_files(&reply, timeout) else { return };
-        study.done(
-            "run study.toml --workers 2 --seed 3 --initial 20 --max-evaluations 20 --out out --quiet",
-        );
+        study.done("run study.toml --workers 2 --seed 3 --initial 20 --max-evaluations 20 --out out --quiet");
         assert_eq!(study.summary("out")["evaluations"]["failed"], faults.len(), "{timeout}");
         let samples = std::fs::read_to_string(study.file("out").join("samples.csv")).unwrap();
         for (k, (_, cause)) in faults.iter().enumerate() {

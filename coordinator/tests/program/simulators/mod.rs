@@ -220,11 +220,8 @@ fn a_second_signal_leaves_no_orphan_either() {
     // Two processes are at work once the nominal point, which is simulated alone, is answered.
     let reply = format!("time.sleep(600) if id > 0 else {RIGHT}");
     let Some(study) = Study::new(&model("", &reply), "1 h") else { return };
-    let mut child = study
-        .command("run study.toml --workers 2 --out out --quiet")
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap();
+    let mut child =
+        study.command("run study.toml --workers 2 --out out --quiet").stderr(Stdio::null()).spawn().unwrap();
     let start = Instant::now();
     while study.alive().len() < 2 {
         assert!(child.try_wait().unwrap().is_none() && start.elapsed() < PATIENCE);
@@ -283,9 +280,7 @@ fn a_sample_without_a_result_is_a_failed_simulation() {
     ] {
         let reply = format!("{reply} if id == 5 else {RIGHT}");
         let Some(study) = Study::new(&model("", &reply), timeout) else { return };
-        study.done(
-            "run study.toml --workers 2 --seed 3 --initial 20 --max-evaluations 20 --out out --quiet",
-        );
+        study.done("run study.toml --workers 2 --seed 3 --initial 20 --max-evaluations 20 --out out --quiet");
         assert_eq!(study.summary("out")["evaluations"]["failed"], 1, "{cause}");
         let samples = std::fs::read_to_string(study.file("out").join("samples.csv")).unwrap();
         let row = samples.lines().find(|line| line.starts_with("5,")).unwrap();
@@ -308,8 +303,7 @@ fn a_program_that_ends_once_is_asked_again() {
 #[test]
 fn a_program_that_cannot_be_used_ends_a_study_with_remote_workers_too() {
     let Some(study) = Study::new(&model("", "sys.exit('no license')"), "1 min") else { return };
-    let said =
-        study.refused("run study.toml --workers 1 --listen tcp/127.0.0.1:0 --out out --quiet", 1);
+    let said = study.refused("run study.toml --workers 1 --listen tcp/127.0.0.1:0 --out out --quiet", 1);
     for part in ["evaluation 0 was given up: worker ", "python3 model.py", "instead of answering: no license"]
     {
         assert!(said.contains(part), "no \"{part}\" in: {said}");
@@ -327,10 +321,7 @@ fn what_does_not_fit_is_refused_before_anything_is_done() {
         ("run study.toml --accuracy draft", &["--accuracy is not for study.toml"][..]),
         ("run study.toml --max-error 1%", &["--max-error is not for study.toml"]),
         ("run study.toml --listen tcp/0.0.0.0:0 --out out", &["clients are not authenticated"]),
-        (
-            "run four-bar --licences 2 --out out",
-            &["--licences: for scenes that name their own simulator"],
-        ),
+        ("run four-bar --licences 2 --out out", &["--licences: for scenes that name their own simulator"]),
         ("simulate study.toml --accuracy draft", &["--accuracy is not for study.toml"]),
         ("simulate study.toml --set T=3", &["there is no variable \"T\"", "R, S"]),
         ("tradeoff study.toml --out t", &["study.toml", "this command is for mechanisms"]),
