@@ -42,7 +42,7 @@ pub struct DesignsArguments {
     /// Values per design variable [default: 9, 5 or 3 with one, two or three variables]
     #[arg(long, value_name = "N", value_parser = within::<usize>(2, 101))]
     pub points: Option<usize>,
-    /// Answer for the design with this value alone, one for each design variable
+    /// Set a design variable, each one of them, and answer for this design alone
     #[arg(long, alias = "at", value_name = "KEY=VALUE", conflicts_with = "points")]
     pub set: Vec<String>,
     /// Look for the largest reliability at this checkpoint [default: for the longest life]
@@ -51,7 +51,7 @@ pub struct DesignsArguments {
     /// Look for the longest life at this level of R: 0.99, 0.9 or 0.5
     #[arg(long, value_name = "R", default_value = "0.99", value_parser = level, conflicts_with = "life")]
     pub level: f64,
-    /// Add at most this many simulations, where the reliability of single designs is most uncertain
+    /// Most evaluations to add, where the reliability of single designs is most uncertain
     #[arg(long, alias = "refine", value_name = "N", value_parser = positive)]
     pub max_evaluations: Option<usize>,
     /// Write designs.html, designs.md, designs.json, designs.csv and figures/ to this folder, created if missing

@@ -48,7 +48,7 @@ pub struct LearnArguments {
     /// Sets of parameters of sequential Monte Carlo
     #[arg(long, value_name = "N", default_value = "500", value_parser = within::<usize>(200, 20_000))]
     pub sets: usize,
-    /// Add at most this many simulations where the population that was learned leaves those of the study
+    /// Most evaluations to add where the population that was learned leaves those of the study
     #[arg(long, alias = "refine", value_name = "N", value_parser = positive)]
     pub max_evaluations: Option<usize>,
     /// Write learn.html, learn.md, learn.json, reliability.csv and figures/ to this folder, created if missing

@@ -3,9 +3,8 @@
 use super::evaluation_json::{of_mechanism, of_outputs};
 use super::external;
 use super::output::{check_destination, deliver, file_of};
-use super::{
-    AccuracyArguments, CommandError, Done, SceneArguments, Verbosity, check_linkage, count, print, to_json,
-};
+use super::scene_options::SceneName;
+use super::{AccuracyArguments, CommandError, Done, Verbosity, check_linkage, count, print, to_json};
 use clap::Args;
 use common::outputs::{Evaluation, NarrowGroove};
 use common::scene::{Fault, Faults, Output, OutputUnit, Scene, SceneSource};
@@ -25,7 +24,10 @@ use worker::simulate::{self, SimulateOptions};
 #[derive(Debug, Clone, Args)]
 pub struct SimulateArguments {
     #[command(flatten)]
-    pub scene: SceneArguments,
+    pub scene: SceneName,
+    /// Set a quantity of the scene by its key, or a random variable by its name, e.g. rod_length=40.05mm; repeatable
+    #[arg(long, value_name = "KEY=VALUE", help_heading = "Scene")]
+    pub set: Vec<String>,
     #[command(flatten)]
     pub accuracy: AccuracyArguments,
     /// Write the JSON to simulate.json in this folder, created if missing, instead of standard output; a path with an ending is the file
@@ -43,9 +45,8 @@ pub struct SimulateArguments {
 pub fn simulate(arguments: &SimulateArguments, verbosity: Verbosity) -> Done {
     let out = arguments.out.as_deref().map(|out| file_of(out, "simulate.json")).transpose()?;
     check_destination(arguments.report.as_deref())?;
-    let set = &arguments.scene.values.set;
-    let source = SceneSource::load(arguments.scene.name.get())?;
-    let settings = source.parse_settings(set)?;
+    let source = SceneSource::load(arguments.scene.get())?;
+    let settings = source.parse_settings(&arguments.set)?;
     if source.nominal().simulator.is_some() {
         external::check_accuracy(source.origin(), &arguments.accuracy)?;
         if arguments.report.is_some() {
@@ -62,7 +63,7 @@ pub fn simulate(arguments: &SimulateArguments, verbosity: Verbosity) -> Done {
     let wall = start.elapsed().as_secs_f64();
     let simulated = Simulated { scene: &scene, accuracy: &accuracy.name, evaluation: &evaluation, wall };
     if let Some(file) = &arguments.report {
-        write_text(file, &simulated.report(set, source.text()))?;
+        write_text(file, &simulated.report(&arguments.set, source.text()))?;
     }
     // A person reads lines, a script the object.
     let to_person = !verbosity.json && out.is_none() && std::io::stdout().is_terminal();

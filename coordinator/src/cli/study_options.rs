@@ -79,10 +79,10 @@ pub struct ResumeArguments {
 #[derive(Debug, Clone, Default, Args, PartialEq)]
 #[command(next_help_heading = "Go on with other settings")]
 pub struct ExtensionArguments {
-    /// Larger budget of evaluations (ak)
+    /// Most evaluations, more than before (ak)
     #[arg(long, value_name = "N", value_parser = positive)]
     pub max_evaluations: Option<usize>,
-    /// More samples: a larger population (ak), or more evaluations (monte-carlo)
+    /// Points of a larger population (ak), or more evaluations (monte-carlo)
     #[arg(long, value_name = "N", value_parser = positive)]
     pub samples: Option<usize>,
     /// Half width of the whole 95 % interval of every R(n) at which the study may stop (ak)
@@ -158,7 +158,7 @@ pub struct MethodArguments {
     /// Evaluations of the initial design (ak)
     #[arg(long, value_name = "N", value_parser = positive)]
     pub initial: Option<usize>,
-    /// Budget of evaluations; those at finer levels come on top (ak)
+    /// Most evaluations; those at finer levels come on top (ak)
     #[arg(long, value_name = "N", value_parser = positive)]
     pub max_evaluations: Option<usize>,
     /// Evaluations under way at once after the initial design, half of them proposed together (ak). It changes the

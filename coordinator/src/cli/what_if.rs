@@ -32,13 +32,13 @@ const MOST_OF_DIRECT: usize = 400;
 pub struct WhatIfArguments {
     /// Folder of the finished study
     pub dir: PathBuf,
-    /// Change a distribution, a threshold or a correlation; repeatable for different keys
+    /// Set a distribution, a threshold or a correlation; repeatable for different keys
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
-    /// Add at most this many simulations of the changed scene, where they reduce the error of its reliability most
+    /// Most evaluations of the changed scene to add, where they reduce the error of its reliability most
     #[arg(long, alias = "refine", value_name = "N", value_parser = positive)]
     pub max_evaluations: Option<usize>,
-    /// Add simulations until the surrogates' part of the interval of any R(n) suits this whole half width, at most --max-evaluations or the
+    /// Half width of the whole 95 % interval of every R(n) that the surrogates' part is to suit: adds at most --max-evaluations, or the
     /// study's budget
     #[arg(long, value_name = "SHARE", value_parser = share)]
     pub target_error: Option<f64>,
