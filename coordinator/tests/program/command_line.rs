@@ -197,6 +197,10 @@ fn explain_says_what_is_modelled() {
     ] {
         assert!(found.contains(part), "no \"{part}\" in:\n{found}");
     }
+    let quick = text(&["explain", "--quick"]);
+    assert!(
+        quick.contains("72000 cycles") && found.contains("Nominal wear") && !quick.contains("Nominal wear")
+    );
 }
 
 #[test]
