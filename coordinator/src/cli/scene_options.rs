@@ -1,7 +1,7 @@
 //! The scene of a command as typed: its name or file with the values set in it, and the names that completions offer.
 
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
-use clap::{Arg, Args, Command};
+use clap::{Arg, Args, Command, Error};
 use common::accuracy::{Accuracy, NamedAccuracy};
 use common::scene::{Faults, SceneSource};
 use coordinator::analyses::scene_settings::scene_with;
@@ -83,13 +83,8 @@ struct Suggested(Vec<&'static str>);
 impl TypedValueParser for Suggested {
     type Value = String;
 
-    fn parse_ref(
-        &self,
-        command: &Command,
-        argument: Option<&Arg>,
-        text: &OsStr,
-    ) -> Result<String, clap::Error> {
-        StringValueParser::new().parse_ref(command, argument, text)
+    fn parse_ref(&self, of: &Command, argument: Option<&Arg>, text: &OsStr) -> Result<String, Error> {
+        StringValueParser::new().parse_ref(of, argument, text)
     }
 
     fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
