@@ -19,7 +19,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
 
-study=(run --scene four-bar --accuracy draft --samples 2000 --initial 12 --max-evaluations 16 --workers 2 --quiet)
+study=(run four-bar --accuracy draft --samples 2000 --initial 12 --max-evaluations 16 --workers 2 --quiet)
 
 echo "== wheel"
 python3 -m venv venv

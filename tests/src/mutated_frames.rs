@@ -88,8 +88,7 @@ impl Attack {
         let at = |name: &str| folder.join(name).display().to_string();
         let endpoint = format!("{}/127.0.0.1:{port}", if tls.is_some() { "tls" } else { "tcp" });
         let (scene, study) = (at("small.toml"), at("study"));
-        let mut arguments =
-            if again { vec!["resume", &study] } else { vec!["run", "--scene", &scene, "--out", &study] };
+        let mut arguments = if again { vec!["resume", &study] } else { vec!["run", &scene, "--out", &study] };
         arguments.extend(["--workers", "0", "--listen", &endpoint]);
         let config = tls.as_ref().map(|(config, _)| config.display().to_string());
         arguments.extend(config.iter().flat_map(|config| ["--config", config]));

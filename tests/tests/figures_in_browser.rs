@@ -111,13 +111,7 @@ fn browser() -> Option<&'static str> {
 fn report(scene: &str, options: &[&str], folder: &Path) -> PathBuf {
     let study = folder.join(scene);
     let mut command = Command::new(program("coordinator"));
-    let output = command
-        .args(["run", "--scene", scene, "-q"])
-        .args(options)
-        .arg("--out")
-        .arg(&study)
-        .output()
-        .unwrap();
+    let output = command.args(["run", scene, "-q"]).args(options).arg("--out").arg(&study).output().unwrap();
     assert!(output.status.success(), "{scene}: {}", String::from_utf8_lossy(&output.stderr));
     study.join("report.html")
 }

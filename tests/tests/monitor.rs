@@ -178,8 +178,7 @@ fn the_doctor_examines_certificates_and_access() {
         ];
         let incomplete = changed_configuration("zenoh-tls-coordinator.json5", &own, &named);
         let out = folder.path().join("study");
-        let arguments =
-            ["run", "--scene", "four-bar", "--workers", "0", "--listen", "tls/127.0.0.1:0", "--config"];
+        let arguments = ["run", "four-bar", "--workers", "0", "--listen", "tls/127.0.0.1:0", "--config"];
         let rest = [incomplete.to_str().unwrap(), "--out", out.to_str().unwrap()];
         let coordinator = LoggedProcess::start("coordinator", &[&arguments[..], &rest[..]].concat());
         let endpoint = coordinator.wait_for("waiting for workers: worker --connect ");
@@ -208,8 +207,7 @@ fn visible_study(folder: &Path, evaluations: usize, more: &[&str]) -> (LoggedPro
     let scene = folder.join("small.toml");
     std::fs::write(&scene, small_scene(evaluations)).unwrap();
     let (scene, out) = (scene.to_str().unwrap(), folder.join("study"));
-    let what =
-        ["run", "--scene", scene, "--accuracy", "draft", "--workers", "0", "--out", out.to_str().unwrap()];
+    let what = ["run", scene, "--accuracy", "draft", "--workers", "0", "--out", out.to_str().unwrap()];
     let shown = ["--live", "0", "-v"];
     let study = LoggedProcess::start("coordinator", &[&what[..], &shown, more].concat());
     let endpoint = study.wait_for("waiting for workers: worker --connect ");

@@ -1,8 +1,8 @@
 //! Every published number of the flapping-wing drive beside ours, as tables; `coordinator/doc/validation.md` states what they say.
 //!
 //! ```sh
-//! coordinator run --scene flapping-wing --out study
-//! coordinator run --scene flapping-wing-experiment --out tunnel
+//! coordinator run flapping-wing --out study
+//! coordinator run flapping-wing-experiment --out tunnel
 //! cargo run --release -p coordinator --example reproduction -- coordinator/doc/reproduction study 'load of both signs=tunnel'
 //! ```
 //!

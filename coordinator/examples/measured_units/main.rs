@@ -3,11 +3,11 @@
 //! coverage of the lives that `coordinator learn` states, see `fleets`.
 //!
 //! ```sh
-//! coordinator run --scene four-bar --accuracy draft --out study
-//! coordinator run --scene four-bar --accuracy draft --method monte-carlo --samples 200 --seed 11 --out direct
+//! coordinator run four-bar --accuracy draft --out study
+//! coordinator run four-bar --accuracy draft --method monte-carlo --samples 200 --seed 11 --out direct
 //! cargo run --release -p coordinator --example measured_units study direct
 //! cargo run --release -p coordinator --example measured_units study direct prognosis 60
-//! coordinator run --scene four-bar --accuracy draft --set 'wear_coefficient=1.03e-13 1/Pa' --method monte-carlo --samples 3000 \
+//! coordinator run four-bar --accuracy draft --set 'wear_coefficient=1.03e-13 1/Pa' --method monte-carlo --samples 3000 \
 //!     --seed 11 --out changed
 //! cargo run --release -p coordinator --example measured_units study changed 300 wear_coefficient.mean wear_coefficient.std
 //! cargo run --release -p coordinator --example measured_units analytic third 300

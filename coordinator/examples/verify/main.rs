@@ -2,12 +2,12 @@
 //! Monte Carlo study. Nothing is simulated.
 //!
 //! ```sh
-//! coordinator run --scene four-bar --out study
-//! coordinator run --scene four-bar --method monte-carlo --samples 1000 --out direct
+//! coordinator run four-bar --out study
+//! coordinator run four-bar --method monte-carlo --samples 1000 --out direct
 //! cargo run --release -p coordinator --example verify -- study --against direct
 //! cargo run --release -p coordinator --example verify -- direct --initial 40 --max-evaluations 100
 //!
-//! coordinator run --scene four-bar --method monte-carlo --accuracy reference --samples 100 --out reference
+//! coordinator run four-bar --method monte-carlo --accuracy reference --samples 100 --out reference
 //! cargo run --release -p coordinator --example verify -- direct --finer reference --study study
 //! ```
 

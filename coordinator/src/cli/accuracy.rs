@@ -1,6 +1,6 @@
 //! Accuracy of a command's evaluations: by name, or the cheapest within an error budget.
 
-use super::{Done, share};
+use super::{Done, accuracy_name, share};
 use clap::Args;
 use common::accuracy::NamedAccuracy;
 use common::failure::SimulationFailure;
@@ -23,7 +23,7 @@ use worker::simulate::{SimulateOptions, simulate};
 pub struct AccuracyArguments {
     /// Accuracy of the evaluations: draft, balanced, reference, or a preset with changed parameters, e.g.
     /// draft+step-x0.71+jump-4000 (see `tradeoff`) [default: that of the scene, else balanced]
-    #[arg(long, value_name = "draft|balanced|reference|NAME")]
+    #[arg(long, value_name = "draft|balanced|reference|NAME", value_parser = accuracy_name(), hide_possible_values = true)]
     pub accuracy: Option<NamedAccuracy>,
     /// Choose the cheapest accuracy whose stated errors stay below this share of the limit, for every output with a limit
     /// state, e.g. 1%

@@ -1,8 +1,8 @@
 //! `coordinator calibrate`: fits free parameters of a scene to measured or published targets, with the workers of a study.
 
 use super::{
-    AccuracyArguments, DEFAULT_SCENE, Destination, Done, FarmArguments, SetArguments, Verbosity, WorkerFarm,
-    answer_with, check_linkage, load_with, of_mechanism, positive, seed, whole,
+    AccuracyArguments, Destination, Done, FarmArguments, SceneArguments, Verbosity, WorkerFarm, answer_with,
+    check_linkage, of_mechanism, positive, seed, whole,
 };
 use clap::Args;
 use common::scene::InputFile;
@@ -14,11 +14,8 @@ use std::path::PathBuf;
 /// Arguments of `coordinator calibrate`.
 #[derive(Debug, Clone, Args)]
 pub struct CalibrateArguments {
-    /// Scene file, or name of a built-in scene
-    #[arg(long, default_value = DEFAULT_SCENE, value_name = "NAME-or-FILE")]
-    pub scene: String,
     #[command(flatten)]
-    pub set: SetArguments,
+    pub scene: SceneArguments,
     /// Free parameters and targets, TOML
     #[arg(long, value_name = "FILE")]
     pub targets: PathBuf,
@@ -26,10 +23,10 @@ pub struct CalibrateArguments {
     pub farm: FarmArguments,
     #[command(flatten)]
     pub accuracy: AccuracyArguments,
-    /// Simulations of the first round [default: four per random variable and free parameter, at least 40]
-    #[arg(long, value_name = "N", value_parser = positive, help_heading = "Method")]
-    pub simulations: Option<usize>,
-    /// Further rounds around the optimum, each with a third as many simulations
+    /// Evaluations of the first round [default: four per random variable and free parameter, at least 40]
+    #[arg(long, alias = "simulations", value_name = "N", value_parser = positive, help_heading = "Method")]
+    pub initial: Option<usize>,
+    /// Further rounds around the optimum, each with a third as many evaluations
     #[arg(long, value_name = "N", default_value = "2", value_parser = whole, help_heading = "Method")]
     pub rounds: usize,
     /// Seed of every random draw
@@ -37,7 +34,7 @@ pub struct CalibrateArguments {
     pub seed: u64,
     /// Write calibration.html, calibration.md and calibration.json to this folder, created if missing; or the report (Markdown, or JSON
     /// with --json) to this file, which ends in .md, .txt or .json, instead of standard output
-    #[arg(long, value_name = "DIR-or-FILE", help_heading = "Output")]
+    #[arg(long, value_name = "DIR", help_heading = "Output")]
     pub out: Option<Destination>,
 }
 
@@ -46,7 +43,7 @@ pub struct CalibrateArguments {
 /// # Errors
 /// [`super::CommandError`].
 pub fn calibrate(arguments: &CalibrateArguments, verbosity: Verbosity) -> Done {
-    let source = load_with(&arguments.scene, &arguments.set.set)?;
+    let source = arguments.scene.load()?;
     let scene = source.nominal();
     check_linkage(source.origin(), &source, scene)?;
     let file = InputFile::load(&arguments.targets)?;
@@ -54,7 +51,7 @@ pub fn calibrate(arguments: &CalibrateArguments, verbosity: Verbosity) -> Done {
     let space = Space::new(&source, &targets.free).map_err(|error| of_parameters(&file, &targets, error))?;
     let accuracy = arguments.accuracy.for_one(scene, verbosity.quiet)?.setting;
     let plan = CalibrationSettings {
-        simulations: arguments.simulations.unwrap_or(0),
+        simulations: arguments.initial.unwrap_or(0),
         rounds: arguments.rounds,
         seed: arguments.seed,
         accuracy: accuracy.accuracy,

@@ -6,7 +6,9 @@ use super::external;
 use super::measured::MeasuredFinding;
 use super::model::Model;
 use super::nominal::{findings, nominal_evaluation};
-use super::{CommandError, Done, SetArguments, Verbosity, check_linkage, count, load_with, print, to_json};
+use super::{
+    CommandError, Done, SceneArguments, Verbosity, accuracy_name, check_linkage, count, print, to_json,
+};
 use clap::Args;
 use common::accuracy::NamedAccuracy;
 use common::external::SimulatorId;
@@ -50,10 +52,8 @@ Examples:
 /// Arguments of `coordinator check`.
 #[derive(Debug, Clone, Args)]
 pub struct CheckArguments {
-    /// Scene file, or name of a built-in scene
-    pub file: String,
     #[command(flatten)]
-    pub set: SetArguments,
+    pub scene: SceneArguments,
     /// Write a drawing of the mechanism, as SVG, and its loads that vary, over the angle of the crank, to FILE-loads.svg
     #[arg(long, value_name = "FILE.svg")]
     pub draw: Option<PathBuf>,
@@ -64,7 +64,7 @@ pub struct CheckArguments {
     #[arg(long, conflicts_with = "quick")]
     pub contact: bool,
     /// Accuracy of the simulated life [default: draft, with longer blocks of wear in a long life]
-    #[arg(long, value_name = "draft|balanced|reference|NAME")]
+    #[arg(long, value_name = "draft|balanced|reference|NAME", value_parser = accuracy_name(), hide_possible_values = true)]
     pub accuracy: Option<NamedAccuracy>,
 }
 
@@ -76,7 +76,7 @@ pub struct CheckArguments {
 /// [`CommandError::Scene`] with all faults, the errors of [`check_linkage`], [`CommandError::BadInput`], or
 /// [`CommandError::Failed`] if the nominal mechanism cannot be simulated.
 pub fn check(arguments: &CheckArguments, verbosity: Verbosity) -> Done {
-    let file = &arguments.file;
+    let file = arguments.scene.name.get();
     check_picture(arguments.draw.as_deref())?;
     let checked = run(arguments, verbosity);
     if let (Err(error), true) = (&checked, verbosity.json) {
@@ -90,9 +90,10 @@ pub fn check(arguments: &CheckArguments, verbosity: Verbosity) -> Done {
 }
 
 fn run(arguments: &CheckArguments, verbosity: Verbosity) -> Done {
-    let CheckArguments { file, set, draw, quick, accuracy, contact } = arguments;
+    let CheckArguments { scene, draw, quick, accuracy, contact } = arguments;
+    let file = scene.name.get();
     let at_once = |text: &str| if verbosity.json { Ok(()) } else { print(text) };
-    let source = valid_scene(file, set)?;
+    let source = valid_scene(scene)?;
     let scene = source.nominal();
     at_once(&format!("{file}: valid; {}\n", counts(scene)))?;
     let is_mechanism = scene.simulator.is_none();
@@ -159,8 +160,8 @@ fn run(arguments: &CheckArguments, verbosity: Verbosity) -> Done {
 }
 
 /// The scene, if its text is valid and what it describes can be simulated.
-fn valid_scene(file: &str, set: &SetArguments) -> Done<SceneSource> {
-    let source = load_with(file, &set.set)?;
+fn valid_scene(scene: &SceneArguments) -> Done<SceneSource> {
+    let source = scene.load()?;
     match &source.nominal().simulator {
         None => check_linkage(source.origin(), &source, source.nominal())?,
         Some(simulator) => {

@@ -3,14 +3,14 @@
 #[cfg(test)]
 mod tests;
 
+use super::scene_options::SceneName;
 use super::study_options::{ResumeArguments, RunArguments};
-use super::{AccuracyArguments, DEFAULT_SCENE, SetArguments, Verbosity};
+use super::{AccuracyArguments, SceneArguments, Verbosity, scene_name};
 use super::{
     calibrate, check, compare, designs, doctor, draw, init, learn, optimise, replace, results, simulate,
     status, test_plan, tradeoff, update, weibull, what_if,
 };
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
-use std::ffi::OsString;
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -29,7 +29,7 @@ const MORE: [&str; 8] =
 const EXAMPLE: &str = "\
 Without a command, `coordinator --workers auto` runs a study with the options of `run`.
 Exit codes: 0 done, 2 bad input, 1 failure, 130 interrupted (all finished evaluations are saved).
-Example, about 3 s: coordinator run --scene four-bar --accuracy draft --out study";
+Example, about 3 s: coordinator run four-bar --accuracy draft --out study";
 
 /// Hingewise: reliability over life of mechanisms with wearing hinges
 #[derive(Debug, Parser)]
@@ -37,6 +37,9 @@ Example, about 3 s: coordinator run --scene four-bar --accuracy draft --out stud
 pub struct CommandLine {
     #[command(flatten)]
     pub verbosity: Verbosity,
+    /// Scene of a study, if no command is given
+    #[arg(long)]
+    pub scene: Option<String>,
     /// Options of a study, if no command is given.
     #[command(flatten)]
     pub run: RunArguments,
@@ -47,24 +50,9 @@ pub struct CommandLine {
 impl CommandLine {
     /// Reads the command line of this process; ends the process with a message if it is wrong.
     pub fn read() -> Self {
-        let words = with_scene_option(std::env::args_os());
-        let matches = accept_negative_numbers(grouped()).get_matches_from(words);
+        let matches = accept_negative_numbers(grouped()).get_matches();
         Self::from_arg_matches(&matches).unwrap_or_else(|error| error.exit())
     }
-}
-
-/// Commands that read a scene by `--scene`, or as their first word.
-const OF_SCENES: [&str; 5] = ["run", "simulate", "explain", "tradeoff", "calibrate"];
-
-/// The words of a command line with `--scene` before a scene that is the first word of its command.
-fn with_scene_option(words: impl Iterator<Item = impl Into<OsString>>) -> Vec<OsString> {
-    let mut words: Vec<OsString> = words.map(Into::into).collect();
-    let [_, command, first, ..] = &words[..] else { return words };
-    let is_option = first.as_encoded_bytes().starts_with(b"-");
-    if !is_option && OF_SCENES.iter().any(|of_scene| command == of_scene) {
-        words.insert(2, "--scene".into());
-    }
-    words
 }
 
 /// Reads `-1` after an option as its value, so that the message says what is allowed.
@@ -117,13 +105,18 @@ pub enum CommandArguments {
     #[command(after_help = "\
 Examples:
   coordinator run --workers auto
-  coordinator run --scene flapping-wing-tolerances --workers 2 --out tolerances --seed 7
-  coordinator run --scene my.toml --method monte-carlo --samples 500
-  coordinator run --scene four-bar --set parameters.width='12 mm' --set friction=0.06 --out wider
-  coordinator run --scene four-bar --design 'parameters.clearance=18 um..30 um' --out clearances
-  coordinator run --scene four-bar --max-error 1%
+  coordinator run flapping-wing-tolerances --workers 2 --out tolerances --seed 7
+  coordinator run my.toml --method monte-carlo --samples 500
+  coordinator run four-bar --set parameters.width='12 mm' --set friction=0.06 --out wider
+  coordinator run four-bar --design 'parameters.clearance=18 um..30 um' --out clearances
+  coordinator run four-bar --max-error 1%
   coordinator run --workers 0 --listen tcp/0.0.0.0:7447 --config tls.json5")]
-    Run(Box<RunArguments>),
+    Run {
+        #[command(flatten)]
+        scene: SceneName,
+        #[command(flatten)]
+        options: Box<RunArguments>,
+    },
     /// Continue an interrupted study, or go on with other settings; no finished evaluation is run again
     #[command(after_help = "\
 With another budget, target error or share of failures the result is that of a study that had these settings from the \
@@ -137,10 +130,10 @@ Examples:
     /// Run one evaluation in this process; print it as JSON, or on a terminal in lines
     #[command(after_help = "\
 Examples:
-  coordinator simulate --scene four-bar --accuracy draft --report one.html
-  coordinator simulate --scene flapping-wing --out nominal.json
-  coordinator simulate --scene flapping-wing --set rod_length=40.05mm --set friction=0.03
-  coordinator simulate --scene my.toml --set parameters.crank_speed='500 r/min' --accuracy draft")]
+  coordinator simulate four-bar --accuracy draft --report one.html
+  coordinator simulate flapping-wing --out nominal.json
+  coordinator simulate flapping-wing --set rod_length=40.05mm --set friction=0.03
+  coordinator simulate my.toml --set parameters.crank_speed='500 r/min' --accuracy draft")]
     Simulate(simulate::SimulateArguments),
     /// Measure time against error for the accuracy settings of a scene
     #[command(after_help = "\
@@ -150,9 +143,9 @@ Prints tradeoff.md; with --out it writes tradeoff.md, tradeoff.html, tradeoff.cs
 per value) to this folder. If interrupted, it writes the points that are complete.
 
 Examples:
-  coordinator tradeoff --scene four-bar --out four-bar-tradeoff
-  coordinator tradeoff --scene my.toml --settings quick --points 10 --out my-tradeoff
-  coordinator tradeoff --setting balanced --setting draft --points 201 --out stated-errors
+  coordinator tradeoff four-bar --out four-bar-tradeoff
+  coordinator tradeoff my.toml --settings quick --samples 10 --out my-tradeoff
+  coordinator tradeoff --setting balanced --setting draft --samples 201 --out stated-errors
   coordinator tradeoff --workers 0 --listen tcp/127.0.0.1:7447 --out tradeoff")]
     Tradeoff(tradeoff::TradeoffArguments),
     /// Fit free parameters of a scene to measured or published targets
@@ -162,8 +155,8 @@ variables) and the targets with their tolerances. The report lists the fit of ea
 parameter, the correlations, and targets that contradict each other.
 
 Examples:
-  coordinator calibrate --scene my.toml --targets measured.toml
-  coordinator calibrate --scene four-bar --targets measured.toml --accuracy draft --rounds 1 --json")]
+  coordinator calibrate my.toml --targets measured.toml
+  coordinator calibrate four-bar --targets measured.toml --accuracy draft --rounds 1 --json")]
     Calibrate(Box<calibrate::CalibrateArguments>),
     /// A command that is an example of the sources now
     #[command(name = "extremes", aliases = ["replay", "verify"], hide = true, disable_help_flag = true)]
@@ -236,7 +229,7 @@ Examples:
     #[command(after_help = "Examples:\n  coordinator scenes\n  coordinator scenes --json")]
     Scenes {
         /// Print the TOML text of this built-in scene, as a start for a new one
-        #[arg(long, value_name = "NAME")]
+        #[arg(long, value_name = "NAME", value_parser = scene_name(), hide_possible_values = true)]
         show: Option<String>,
     },
     /// Draw the mechanism of a scene: SVG, or a sketch in the terminal
@@ -281,15 +274,16 @@ Examples:
     /// Describe the model of a scene, the reasons for it, and its expected cost
     #[command(after_help = "\
 Examples:
-  coordinator explain --scene flapping-wing
-  coordinator explain --scene my.toml --max-error 1%")]
+  coordinator explain flapping-wing
+  coordinator explain my.toml --quick
+  coordinator explain my.toml --max-error 1%")]
     Explain {
-        /// Scene file, or name of a built-in scene
-        #[arg(long, default_value = DEFAULT_SCENE, value_name = "NAME-or-FILE")]
-        scene: String,
         #[command(flatten)]
-        set: SetArguments,
+        scene: SceneArguments,
         #[command(flatten)]
         accuracy: AccuracyArguments,
+        /// Describe the model only: simulate no life
+        #[arg(long)]
+        quick: bool,
     },
 }

@@ -20,7 +20,7 @@ pub struct CompareArguments {
     #[arg(required = true, num_args = 2.., value_name = "DIR")]
     pub dirs: Vec<PathBuf>,
     /// Folder for compare.html, .md, .json and .csv, created if missing; or the page, FILE.html, with those files next to it
-    #[arg(long, value_name = "DIR-or-FILE.html")]
+    #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }
 

@@ -20,13 +20,13 @@ use std::path::{Path, PathBuf};
 
 pub const EXAMPLES: &str = "\
 For studies that were started with `run --design KEY=LOWER..UPPER`: reliability and lives of the designs of a grid over the \
-ranges, the best one, and those that cannot be told from it. Without --refine nothing is simulated.
+ranges, the best one, and those that cannot be told from it. Without --max-evaluations nothing is simulated.
 
 Examples:
-  coordinator run --scene four-bar --accuracy draft --design 'parameters.clearance=18 um..30 um' --out clearances
+  coordinator run four-bar --accuracy draft --design 'parameters.clearance=18 um..30 um' --out clearances
   coordinator designs clearances --points 13 --life 6000
-  coordinator designs clearances --at parameters.clearance='21 um' --json
-  coordinator designs clearances --refine 20 --workers auto --out answers";
+  coordinator designs clearances --set parameters.clearance='21 um' --json
+  coordinator designs clearances --max-evaluations 20 --workers auto --out answers";
 
 /// Points per design variable in the table, by the number of variables.
 const POINTS: [usize; 3] = [9, 5, 3];
@@ -42,18 +42,18 @@ pub struct DesignsArguments {
     /// Values per design variable [default: 9, 5 or 3 with one, two or three variables]
     #[arg(long, value_name = "N", value_parser = within::<usize>(2, 101))]
     pub points: Option<usize>,
-    /// Answer for the design with this value alone, one for each design variable
-    #[arg(long, value_name = "KEY=VALUE", conflicts_with = "points")]
-    pub at: Vec<String>,
+    /// Set a design variable, each one of them, and answer for this design alone
+    #[arg(long, alias = "at", value_name = "KEY=VALUE", conflicts_with = "points")]
+    pub set: Vec<String>,
     /// Look for the largest reliability at this checkpoint [default: for the longest life]
     #[arg(long, value_name = "CYCLES", value_parser = positive)]
     pub life: Option<usize>,
     /// Look for the longest life at this level of R: 0.99, 0.9 or 0.5
     #[arg(long, value_name = "R", default_value = "0.99", value_parser = level, conflicts_with = "life")]
     pub level: f64,
-    /// Add at most this many simulations, where the reliability of single designs is most uncertain
-    #[arg(long, value_name = "N", value_parser = positive)]
-    pub refine: Option<usize>,
+    /// Most evaluations to add, where the reliability of single designs is most uncertain
+    #[arg(long, alias = "refine", value_name = "N", value_parser = positive)]
+    pub max_evaluations: Option<usize>,
     /// Write designs.html, designs.md, designs.json, designs.csv and figures/ to this folder, created if missing
     #[arg(long, value_name = "DIR")]
     pub out: Option<Destination>,
@@ -71,19 +71,19 @@ fn level(text: &str) -> Result<f64, String> {
 /// [`CommandError`].
 pub fn designs(arguments: &DesignsArguments, verbosity: Verbosity) -> Done {
     let dir = &arguments.dir;
-    let mut opened = OpenedStudy::open(dir, arguments.refine.is_some())?;
+    let mut opened = OpenedStudy::open(dir, arguments.max_evaluations.is_some())?;
     let space = opened.space.take().ok_or_else(|| {
         let fault =
             "this study has no design variables; start one with `coordinator run --design KEY=LOWER..UPPER`";
         CommandError::refused(dir.display(), fault)
     })?;
     let objective = objective(arguments, opened.study.scene())?;
-    let grid = if arguments.at.is_empty() {
+    let grid = if arguments.set.is_empty() {
         space.grid(arguments.points.unwrap_or(points_of(&space)))
     } else {
-        vec![space.design(&arguments.at)?]
+        vec![space.design(&arguments.set)?]
     };
-    let asked = AskedDesigns { grid, objective, budget: arguments.refine.unwrap_or(0) };
+    let asked = AskedDesigns { grid, objective, budget: arguments.max_evaluations.unwrap_or(0) };
     let machines = Machines::ToOpen(&arguments.farm);
     answer_for(&mut opened, &space, &asked, machines, arguments.out.as_ref(), verbosity)
 }

@@ -1,7 +1,7 @@
 //! `coordinator draw`: the mechanism of a scene as a drawing, before anything is simulated.
 
 use super::output::{check_destination, file_of, unusable};
-use super::{CommandError, Done, SetArguments, check_linkage, load_with, print, to_json, value};
+use super::{CommandError, Done, SceneArguments, check_linkage, print, to_json, value};
 use clap::Args;
 use common::scene::{Body, Motion, Scene, SceneSource};
 use coordinator::presentation::report::drawing::{self, DrawnMechanism, SHARE_OF_CYCLE};
@@ -18,7 +18,7 @@ of the crank, to SCENE-loads.svg. With --json it is printed as data: outlines of
 Examples:
   coordinator draw four-bar
   coordinator draw slider-crank --out slider-crank.dxf
-  coordinator draw my.toml --set parameters.crank='25 mm' --at 0.5 --out my.svg --json";
+  coordinator draw my.toml --set parameters.crank='25 mm' --phase 0.5 --out my.svg --json";
 
 /// Instants of the cycle at which sliders are followed for the length of their rails.
 const INSTANTS: usize = 201;
@@ -26,16 +26,14 @@ const INSTANTS: usize = 201;
 /// Arguments of `coordinator draw`.
 #[derive(Debug, Clone, Args)]
 pub struct DrawArguments {
-    /// Scene file, or name of a built-in scene
-    pub scene: String,
     #[command(flatten)]
-    pub set: SetArguments,
+    pub scene: SceneArguments,
     /// Write the picture SCENE.svg to this folder, created if missing; a path with an ending is the file
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Position that is drawn, as a share of the cycle from 0 to 1
-    #[arg(long, value_name = "SHARE", default_value_t = SHARE_OF_CYCLE, value_parser = share)]
-    pub at: f64,
+    #[arg(long, alias = "at", value_name = "SHARE", default_value_t = SHARE_OF_CYCLE, value_parser = share)]
+    pub phase: f64,
 }
 
 /// Reads a share from 0 to 1.
@@ -49,12 +47,12 @@ fn share(text: &str) -> Result<f64, String> {
 /// [`CommandError::Scene`], [`CommandError::BadInput`] for a scene without a mechanism or one without extent, the failure of a linkage that does
 /// not close, or the error of a file that cannot be written.
 pub fn draw(arguments: &DrawArguments, as_json: bool) -> Done {
-    let source = load_with(&arguments.scene, &arguments.set.set)?;
+    let source = arguments.scene.load()?;
     let scene = source.nominal();
     let out = arguments.out.as_deref().map(|out| file_of(out, &format!("{}.svg", scene.name))).transpose()?;
     check_picture(out.as_deref())?;
     check_linkage(source.origin(), &source, scene)?;
-    let (drawn, loads) = drawn(source.origin(), scene, arguments.at)?;
+    let (drawn, loads) = drawn(source.origin(), scene, arguments.phase)?;
     let written = out.as_ref().map(|file| write_figures(scene, &drawn, loads.as_ref(), file));
     let files = written.transpose()?.unwrap_or_default();
     match (as_json, &out) {

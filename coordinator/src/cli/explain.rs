@@ -5,9 +5,7 @@ use super::measured::MeasuredFinding;
 use super::model::Model;
 use super::nominal::{findings, nominal_evaluation};
 use super::shared::cores;
-use super::{
-    AccuracyArguments, CommandError, Done, SetArguments, Verbosity, count, load_with, print, to_json,
-};
+use super::{AccuracyArguments, CommandError, Done, SceneArguments, Verbosity, count, print, to_json};
 use common::random::Correlation;
 use common::scene::*;
 use coordinator::presentation::report::format::{seven_digits, unit_scale};
@@ -20,8 +18,13 @@ use std::sync::Arc;
 ///
 /// # Errors
 /// [`CommandError`].
-pub fn explain(name: &str, set: &SetArguments, accuracy: &AccuracyArguments, verbosity: Verbosity) -> Done {
-    let source = load_with(name, &set.set)?;
+pub fn explain(
+    scene: &SceneArguments,
+    accuracy: &AccuracyArguments,
+    quick: bool,
+    verbosity: Verbosity,
+) -> Done {
+    let source = scene.load()?;
     let scene = source.nominal();
     if let Some(simulator) = &scene.simulator {
         external::check_accuracy(source.origin(), accuracy)?;
@@ -40,7 +43,7 @@ pub fn explain(name: &str, set: &SetArguments, accuracy: &AccuracyArguments, ver
     let doing = "simulating the nominal mechanism until every limit is passed".to_owned();
     let given = is_given.then_some(&accuracy.setting.accuracy);
     let evaluate = |say: &dyn Fn(String)| nominal_evaluation(scene, given, say);
-    let evaluated = while_waiting(verbosity.quiet, doing, evaluate);
+    let evaluated = if quick { Ok(None) } else { while_waiting(verbosity.quiet, doing, evaluate) };
     let mut found = findings(&source, evaluated.as_ref().ok().and_then(Option::as_ref));
     if let Err(failure) = &evaluated {
         let message = format!("the nominal mechanism cannot be simulated: {failure}");

@@ -73,8 +73,8 @@ pub fn init(arguments: &InitArguments, as_json: bool) -> Done {
     let unread: String = unread.iter().map(|what| format!("not read: {what}\n")).collect();
     print(&format!(
         "{shown}\n{unread}\
-         Next:\n  coordinator check {shown}\n  coordinator draw {shown}\n  coordinator explain --scene {shown}\n  \
-         coordinator simulate --scene {shown} --out one.json\n  coordinator run --scene {shown} --out {name}-study\n"
+         Next:\n  coordinator check {shown}\n  coordinator draw {shown}\n  coordinator explain {shown}\n  \
+         coordinator simulate {shown} --out one.json\n  coordinator run {shown} --out {name}-study\n"
     ))
 }
 

@@ -27,12 +27,12 @@ flat one. Rows of the unit `price` have as value what one more unit run to failu
   A9,         55000,  failed
   price,      ,       failed,         1200
 
-The surrogates of the study answer, which must be one of --method ak. Without --refine nothing is simulated.
+The surrogates of the study answer, which must be one of --method ak. Without --max-evaluations nothing is simulated.
 
 Examples:
   coordinator learn study --data fleet.csv
   coordinator learn study --data fleet.csv --confidence 95% --json
-  coordinator learn study --data fleet.csv --refine 20 --workers auto --out population";
+  coordinator learn study --data fleet.csv --max-evaluations 20 --workers auto --out population";
 
 /// Arguments of `coordinator learn`.
 #[derive(Debug, Clone, Args)]
@@ -48,9 +48,9 @@ pub struct LearnArguments {
     /// Sets of parameters of sequential Monte Carlo
     #[arg(long, value_name = "N", default_value = "500", value_parser = within::<usize>(200, 20_000))]
     pub sets: usize,
-    /// Add at most this many simulations where the population that was learned leaves those of the study
-    #[arg(long, value_name = "N", value_parser = positive)]
-    pub refine: Option<usize>,
+    /// Most evaluations to add where the population that was learned leaves those of the study
+    #[arg(long, alias = "refine", value_name = "N", value_parser = positive)]
+    pub max_evaluations: Option<usize>,
     /// Write learn.html, learn.md, learn.json, reliability.csv and figures/ to this folder, created if missing
     #[arg(long, value_name = "DIR")]
     pub out: Option<Destination>,
@@ -69,9 +69,9 @@ pub fn confidence(text: &str) -> Result<f64, String> {
 /// # Errors
 /// [`CommandError`].
 pub fn learn(arguments: &LearnArguments, verbosity: Verbosity) -> Done {
-    let mut opened = OpenedStudy::open(&arguments.dir, arguments.refine.is_some())?;
+    let mut opened = OpenedStudy::open(&arguments.dir, arguments.max_evaluations.is_some())?;
     let mut report = learned(&opened, arguments)?;
-    if let Some(further) = arguments.refine {
+    if let Some(further) = arguments.max_evaluations {
         let before = report.confident.clone();
         let mut evaluator = opened.evaluator(&arguments.farm, verbosity.quiet)?;
         let mut added = 0;

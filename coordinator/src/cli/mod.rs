@@ -27,6 +27,7 @@ mod output;
 mod replace;
 mod results;
 mod run;
+mod scene_options;
 mod scenes;
 mod shared;
 mod shell;
@@ -49,11 +50,9 @@ use coordinator::presentation::terminal::print_message;
 use error::{CommandError, Done};
 use farm::{CommandEvaluator, WorkerFarm, of_mechanism};
 use output::{Destination, answer_with, count, print, to_json};
+use scene_options::{DEFAULT_SCENE, SceneArguments, accuracy_name, load_with, scene_name};
 use scenes::check_linkage;
-use shared::{
-    DEFAULT_SCENE, FarmArguments, SetArguments, Verbosity, load_with, positive, probability, seed, share,
-    value, whole,
-};
+use shared::{FarmArguments, Verbosity, positive, probability, seed, share, value, whole};
 use std::process::ExitCode;
 use stored_study::{OpenedStudy, StoredStudy, failed, known_outcomes, stored_correction, summary_of};
 use study_options::RunArguments;
@@ -89,15 +88,17 @@ pub fn main() -> ExitCode {
 }
 
 fn run_command(arguments: CommandLine) -> Done {
-    let CommandLine { verbosity, run: options, command } = arguments;
+    let CommandLine { verbosity, scene, run: options, command } = arguments;
     let json = verbosity.json;
-    let Some(command) = command else { return run::run(&options, verbosity) };
-    if options != RunArguments::default() {
+    let Some(command) = command else {
+        return run::run(scene.as_deref().unwrap_or(DEFAULT_SCENE), &options, verbosity);
+    };
+    if scene.is_some() || options != RunArguments::default() {
         let fault = "coordinator run --workers ...";
         return Err(CommandError::refused("options of a study go after `run`", fault));
     }
     match command {
-        CommandArguments::Run(options) => run::run(&options, verbosity),
+        CommandArguments::Run { scene, options } => run::run(scene.get(), &options, verbosity),
         CommandArguments::Resume(options) => run::resume(&options, verbosity),
         CommandArguments::Sensitivity { dir } => results::sensitivity(&dir, json),
         CommandArguments::Report(study) => results::report(&study, json),
@@ -126,8 +127,8 @@ fn run_command(arguments: CommandLine) -> Done {
         CommandArguments::Completions { shell } => shell::completions(shell),
         CommandArguments::Man { out } => shell::man(out.as_deref()),
         CommandArguments::Check(options) => check::check(&options, verbosity),
-        CommandArguments::Explain { scene, set, accuracy } => {
-            explain::explain(&scene, &set, &accuracy, verbosity)
+        CommandArguments::Explain { scene, accuracy, quick } => {
+            explain::explain(&scene, &accuracy, quick, verbosity)
         }
     }
 }

@@ -47,7 +47,7 @@ pub struct OptimiseArguments {
     /// Quantities with bounds and costs, and targets, TOML
     #[arg(long, value_name = "FILE")]
     pub problem: PathBuf,
-    /// Most simulations to add; with 0 the optimum is not confirmed
+    /// Most evaluations to add; with 0 the optimum is not confirmed
     #[arg(long, value_name = "N", default_value = "100", value_parser = whole)]
     pub max_evaluations: usize,
     /// Write optimum.html, optimum.md, optimum.json, the scene.toml of the optimum and figures/ to this folder

@@ -43,13 +43,13 @@ pub struct ReplaceArguments {
     #[arg(long, value_name = "R", value_parser = probability)]
     pub reliability: Option<f64>,
     /// Confidence with which it is to hold, over the errors of the study
-    #[arg(long, value_name = "C", default_value = "90%", value_parser = probability, requires = "reliability")]
+    #[arg(long, value_name = "SHARE", default_value = "90%", value_parser = probability, requires = "reliability")]
     pub confidence: f64,
     /// Inspect every N cycles and replace above a measured level; several distances with commas
-    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = above_zero, group = "schedule")]
+    #[arg(long, value_name = "CYCLES,...", value_delimiter = ',', value_parser = above_zero, group = "schedule")]
     pub inspect_every: Vec<f64>,
     /// Inspect at these lives instead, increasing, with commas
-    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = above_zero, group = "schedule")]
+    #[arg(long, value_name = "CYCLES,...", value_delimiter = ',', value_parser = above_zero, group = "schedule")]
     pub inspect_at: Vec<f64>,
     /// Cost of an inspection
     #[arg(long, value_name = "C", default_value = "0", value_parser = cost_or_zero, requires = "schedule")]
@@ -62,7 +62,7 @@ pub struct ReplaceArguments {
     pub inspect_error: Option<String>,
     /// Write replace.html, replace.md and replace.json to this folder, created if missing; or the answer (text, or JSON with --json) to
     /// this file, which ends in .txt, .md or .json, instead of standard output
-    #[arg(long, value_name = "DIR-or-FILE")]
+    #[arg(long, value_name = "DIR")]
     pub out: Option<Destination>,
 }
 

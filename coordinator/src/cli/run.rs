@@ -13,8 +13,8 @@ use super::stored_study::{END_DOCUMENT, design_keys};
 use super::study_options::{ResumeArguments, RunArguments};
 use super::variants::{self, store_variants, variants_of};
 use super::{
-    CommandError, CommandEvaluator, DEFAULT_SCENE, Done, FarmArguments, StoredStudy, Verbosity,
-    check_linkage, load_with, print, summary_of, to_json,
+    CommandError, CommandEvaluator, Done, FarmArguments, StoredStudy, Verbosity, check_linkage, load_with,
+    print, summary_of, to_json,
 };
 use coordinator::analyses::designs::{DESIGNS_DOCUMENT, DesignSpace};
 use coordinator::presentation::motion_cautions::motion_cautions;
@@ -31,8 +31,8 @@ use std::path::{Path, PathBuf};
 ///
 /// # Errors
 /// [`CommandError`].
-pub fn run(arguments: &RunArguments, verbosity: Verbosity) -> Done {
-    let source = load_with(arguments.scene.as_deref().unwrap_or(DEFAULT_SCENE), &arguments.set)?;
+pub fn run(scene: &str, arguments: &RunArguments, verbosity: Verbosity) -> Done {
+    let source = load_with(scene, &arguments.values.set)?;
     let mut source = arguments.texts.in_scene(source)?;
     let space = match arguments.design.as_slice() {
         [] => None,

@@ -3,7 +3,6 @@
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use common::scene::{Faults, SceneSource};
-use coordinator::analyses::scene_settings::scene_with;
 use coordinator::farm::allocation::BatchSystem;
 use coordinator::presentation::terminal::print_message;
 use coordinator::statistics::named::{AUTO, parse_or_auto};
@@ -12,9 +11,6 @@ use std::fmt::Display;
 use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::Duration;
-
-/// The scene of a command that names none.
-pub const DEFAULT_SCENE: &str = "flapping-wing";
 
 /// Largest number of local worker slots.
 const MOST_SLOTS: usize = 1024;
@@ -43,23 +39,6 @@ impl Verbosity {
             print_message(message);
         }
     }
-}
-
-/// Values set in a scene that is only looked at.
-#[derive(Debug, Clone, Default, Args, PartialEq)]
-pub struct SetArguments {
-    /// Set a quantity of the scene by its key, the mean of a random variable by its name, or a distribution or threshold; repeatable
-    #[arg(long, value_name = "KEY=VALUE")]
-    pub set: Vec<String>,
-}
-
-/// The scene of this name or file with these settings.
-///
-/// # Errors
-/// [`Faults`] of the scene and of the settings.
-pub fn load_with(name: &str, set: &[String]) -> Result<SceneSource, Faults> {
-    let source = SceneSource::load(name)?;
-    if set.is_empty() { Ok(source) } else { scene_with(&source, set) }
 }
 
 /// Who is responsible for a study, as its report states it, in place of what the scene states.

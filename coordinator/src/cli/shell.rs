@@ -2,8 +2,9 @@
 
 use super::command::{CommandLine, grouped};
 use super::{CommandError, Done, print};
-use clap::CommandFactory;
+use clap::{Command, CommandFactory};
 use clap_complete::Shell;
+use common::scene::SceneSource;
 use coordinator::results::result_files::{ResultFileError, create_folder};
 use std::path::Path;
 
@@ -15,9 +16,28 @@ const PROGRAM: &str = "coordinator";
 /// # Errors
 /// [`CommandError::Output`].
 pub fn completions(shell: Shell) -> Done {
-    let mut script = Vec::new();
-    clap_complete::generate(shell, &mut CommandLine::command(), PROGRAM, &mut script);
-    print(&String::from_utf8_lossy(&script))
+    print(&script(shell))
+}
+
+/// The completions for a shell. To those of clap it adds files beside the names of scenes (zsh), and these names as first words (fish).
+fn script(shell: Shell) -> String {
+    let (mut command, mut script) = (CommandLine::command(), Vec::new());
+    clap_complete::generate(shell, &mut command, PROGRAM, &mut script);
+    let mut script = String::from_utf8_lossy(&script).into_owned();
+    let names = SceneSource::builtin_names().join(" ");
+    match shell {
+        Shell::Zsh => script.replace(&format!(":({names})"), &format!(":{{compadd {names}; _files}}")),
+        Shell::Fish => {
+            let of_scene =
+                |command: &&Command| command.get_positionals().any(|word| word.get_id() == "scene");
+            script.extend(command.get_subcommands().filter(of_scene).map(|command| {
+                let using = format!("__fish_{PROGRAM}_using_subcommand {}", command.get_name());
+                format!("complete -c {PROGRAM} -n \"{using}\" -a \"{names}\"\n")
+            }));
+            script
+        }
+        _ => script,
+    }
 }
 
 /// Prints the manual page of the program, or writes it and those of all commands to the folder `out`.
@@ -59,13 +79,32 @@ mod tests {
     #[test]
     fn every_shell_has_completions_of_every_command() {
         for shell in Shell::value_variants() {
-            let mut script = Vec::new();
-            clap_complete::generate(*shell, &mut CommandLine::command(), PROGRAM, &mut script);
-            let script = String::from_utf8(script).unwrap();
+            let script = script(*shell);
             for name in ["simulate", "what-if", "max-evaluations"] {
                 assert!(script.contains(name), "{shell}: no {name}");
             }
         }
+    }
+
+    /// As [`script`] gives them; scenes are offered beside files, and to every command that reads one.
+    #[test]
+    fn completions_offer_scenes_and_presets() {
+        let scenes = SceneSource::builtin_names().join(" ");
+        let fish = scenes.replace(' ', "\\t''\n");
+        for (shell, offered) in [
+            (Shell::Bash, [format!("{scenes}\"\n"), "-W \"draft balanced reference\"".to_owned()]),
+            (
+                Shell::Zsh,
+                [format!(":{{compadd {scenes}; _files}}'"), ":(draft balanced reference)'".to_owned()],
+            ),
+            (Shell::Fish, [format!("-a \"{scenes}\""), "draft\\t''\nbalanced\\t''\nreference".to_owned()]),
+        ] {
+            let script = script(shell);
+            for names in offered {
+                assert!(script.matches(&names).count() >= 5, "{shell}: no {names}");
+            }
+        }
+        assert!(script(Shell::Fish).contains(&fish));
     }
 
     #[test]

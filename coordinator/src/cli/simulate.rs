@@ -3,9 +3,8 @@
 use super::evaluation_json::{of_mechanism, of_outputs};
 use super::external;
 use super::output::{check_destination, deliver, file_of};
-use super::{
-    AccuracyArguments, CommandError, DEFAULT_SCENE, Done, Verbosity, check_linkage, count, print, to_json,
-};
+use super::scene_options::SceneName;
+use super::{AccuracyArguments, CommandError, Done, Verbosity, check_linkage, count, print, to_json};
 use clap::Args;
 use common::outputs::{Evaluation, NarrowGroove};
 use common::scene::{Fault, Faults, Output, OutputUnit, Scene, SceneSource};
@@ -24,11 +23,10 @@ use worker::simulate::{self, SimulateOptions};
 /// Arguments of `coordinator simulate`.
 #[derive(Debug, Clone, Args)]
 pub struct SimulateArguments {
-    /// Scene file, or name of a built-in scene
-    #[arg(long, default_value = DEFAULT_SCENE, value_name = "NAME-or-FILE")]
-    pub scene: String,
-    /// Set a random variable, or any quantity by its key, e.g. rod_length=40.05mm
-    #[arg(long, value_name = "variable=value")]
+    #[command(flatten)]
+    pub scene: SceneName,
+    /// Set a quantity of the scene by its key, or a random variable by its name, e.g. rod_length=40.05mm; repeatable
+    #[arg(long, value_name = "KEY=VALUE", help_heading = "Scene")]
     pub set: Vec<String>,
     #[command(flatten)]
     pub accuracy: AccuracyArguments,
@@ -47,7 +45,7 @@ pub struct SimulateArguments {
 pub fn simulate(arguments: &SimulateArguments, verbosity: Verbosity) -> Done {
     let out = arguments.out.as_deref().map(|out| file_of(out, "simulate.json")).transpose()?;
     check_destination(arguments.report.as_deref())?;
-    let source = SceneSource::load(&arguments.scene)?;
+    let source = SceneSource::load(arguments.scene.get())?;
     let settings = source.parse_settings(&arguments.set)?;
     if source.nominal().simulator.is_some() {
         external::check_accuracy(source.origin(), &arguments.accuracy)?;

@@ -1,8 +1,9 @@
 //! Options of a study, and the settings they make of a scene's defaults.
 
 use super::monitor::MonitorArguments;
+use super::scene_options::SetArguments;
 use super::shared::{ReportTexts, word, word_or_auto};
-use super::{AccuracyArguments, FarmArguments, positive, seed, share};
+use super::{AccuracyArguments, FarmArguments, accuracy_name, positive, seed, share};
 use clap::Args;
 use common::accuracy::{LevelsError, NamedAccuracy};
 use common::scene::Scene;
@@ -17,13 +18,8 @@ type OrAuto<T> = Option<T>;
 /// Options of `coordinator run`.
 #[derive(Debug, Clone, Default, Args, PartialEq)]
 pub struct RunArguments {
-    /// Scene file, or name of a built-in scene [default: flapping-wing]
-    #[arg(long, value_name = "NAME-or-FILE", help_heading = "Scene")]
-    pub scene: Option<String>,
-    /// Set a quantity of the scene by its key, the mean of a random variable by its name, or a distribution or threshold
-    /// as in `what-if`; repeatable
-    #[arg(long, value_name = "KEY=VALUE", help_heading = "Scene")]
-    pub set: Vec<String>,
+    #[command(flatten)]
+    pub values: SetArguments,
     /// Make a quantity, a mean, a spread or a threshold a design variable, e.g. parameters.clearance='18 um..30 um': the study
     /// then answers for every design within the range, see `designs`; up to three
     #[arg(long, value_name = "KEY=LOWER..UPPER", help_heading = "Scene")]
@@ -43,6 +39,8 @@ pub struct RunArguments {
         long,
         value_name = "A,B,C",
         value_delimiter = ',',
+        value_parser = accuracy_name(),
+        hide_possible_values = true,
         conflicts_with_all = ["accuracy", "max_error"],
         help_heading = "Accuracy"
     )]
@@ -81,10 +79,10 @@ pub struct ResumeArguments {
 #[derive(Debug, Clone, Default, Args, PartialEq)]
 #[command(next_help_heading = "Go on with other settings")]
 pub struct ExtensionArguments {
-    /// Larger budget of evaluations (ak)
+    /// Most evaluations, more than before (ak)
     #[arg(long, value_name = "N", value_parser = positive)]
     pub max_evaluations: Option<usize>,
-    /// More samples: a larger population (ak), or more evaluations (monte-carlo)
+    /// Points of a larger population (ak), or more evaluations (monte-carlo)
     #[arg(long, value_name = "N", value_parser = positive)]
     pub samples: Option<usize>,
     /// Half width of the whole 95 % interval of every R(n) at which the study may stop (ak)
@@ -160,7 +158,7 @@ pub struct MethodArguments {
     /// Evaluations of the initial design (ak)
     #[arg(long, value_name = "N", value_parser = positive)]
     pub initial: Option<usize>,
-    /// Budget of evaluations; those at finer levels come on top (ak)
+    /// Most evaluations; those at finer levels come on top (ak)
     #[arg(long, value_name = "N", value_parser = positive)]
     pub max_evaluations: Option<usize>,
     /// Evaluations under way at once after the initial design, half of them proposed together (ak). It changes the

@@ -28,7 +28,7 @@ pub struct TestPlanArguments {
     #[arg(long, value_name = "CYCLES", value_parser = above_zero)]
     pub at: f64,
     /// Confidence of the demonstration
-    #[arg(long, value_name = "C", default_value = "90%", value_parser = probability)]
+    #[arg(long, value_name = "SHARE", default_value = "90%", value_parser = probability)]
     pub confidence: f64,
     /// Plans with up to this many failures
     #[arg(long, value_name = "N", default_value = "2", value_parser = within::<u64>(0, 20))]
@@ -55,7 +55,7 @@ pub struct TestPlanArguments {
     #[arg(long, value_name = "N", value_parser = above_zero, requires = "dir")]
     pub prior_units: Option<f64>,
     /// Write test-plan.html, test-plan.md and test-plan.json to this folder, created if missing; or the answer to this file
-    #[arg(long, value_name = "DIR-or-FILE")]
+    #[arg(long, value_name = "DIR")]
     pub out: Option<Destination>,
 }
 

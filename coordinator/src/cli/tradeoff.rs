@@ -1,8 +1,8 @@
 //! `coordinator tradeoff`: time against error of the accuracy settings of a scene, with the workers of a study.
 
 use super::{
-    CommandError, DEFAULT_SCENE, Done, FarmArguments, SetArguments, Verbosity, WorkerFarm, check_linkage,
-    load_with, of_mechanism, positive, print,
+    CommandError, Done, FarmArguments, SceneArguments, Verbosity, WorkerFarm, accuracy_name, check_linkage,
+    of_mechanism, positive, print,
 };
 use clap::{Args, ValueEnum};
 use common::accuracy::NamedAccuracy;
@@ -25,22 +25,19 @@ pub enum SettingsGrid {
 /// Arguments of `coordinator tradeoff`.
 #[derive(Debug, Clone, Args)]
 pub struct TradeoffArguments {
-    /// Scene file, or name of a built-in scene
-    #[arg(long, default_value = DEFAULT_SCENE, value_name = "NAME-or-FILE")]
-    pub scene: String,
     #[command(flatten)]
-    pub set: SetArguments,
+    pub scene: SceneArguments,
     #[command(flatten)]
     pub farm: FarmArguments,
-    /// Number of points of the variables, the nominal one included
-    #[arg(long, default_value = "3", value_name = "N", value_parser = positive, help_heading = "Method")]
-    pub points: usize,
+    /// Points of the random variables, the nominal one included
+    #[arg(long, alias = "points", default_value = "3", value_name = "N", value_parser = positive, help_heading = "Method")]
+    pub samples: usize,
     /// Settings to measure
     #[arg(long, value_enum, default_value = "full", help_heading = "Method")]
     pub settings: SettingsGrid,
     /// Measure this setting, and others by repeating the option: a preset, or one with changed parameters, e.g.
     /// draft+step-x0.71+jump-4000
-    #[arg(long, value_name = "NAME", conflicts_with = "settings", help_heading = "Method")]
+    #[arg(long, value_name = "NAME", value_parser = accuracy_name(), hide_possible_values = true, conflicts_with = "settings", help_heading = "Method")]
     pub setting: Vec<NamedAccuracy>,
     /// Folder for the results, created if missing
     #[arg(long, value_name = "DIR", help_heading = "Output")]
@@ -52,13 +49,13 @@ pub struct TradeoffArguments {
 /// # Errors
 /// [`CommandError`].
 pub fn tradeoff(arguments: &TradeoffArguments, verbosity: Verbosity) -> Done {
-    let source = load_with(&arguments.scene, &arguments.set.set)?;
+    let source = arguments.scene.load()?;
     let scene = source.nominal();
     check_linkage(source.origin(), &source, scene)?;
     arguments.out.as_deref().map(create_folder).transpose()?;
     let plan = TradeoffPlan {
         settings: chosen(arguments),
-        points: nominal_and_random(scene, scene.study.seed, arguments.points - 1),
+        points: nominal_and_random(scene, scene.study.seed, arguments.samples - 1),
     };
     // Every task carries its own accuracy.
     let accuracy = NamedAccuracy { name: "tradeoff".into(), ..NamedAccuracy::default() };

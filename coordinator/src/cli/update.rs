@@ -33,8 +33,8 @@ pub struct UpdateArguments {
     #[arg(long, value_name = "FILE.csv")]
     pub measured: PathBuf,
     /// Points of the population that are weighted; an effective sample size below a fortieth of it starts sequential Monte Carlo
-    #[arg(long, value_name = "N", default_value = "20000", value_parser = within(LEAST, 1_000_000))]
-    pub points: usize,
+    #[arg(long, alias = "points", value_name = "N", default_value = "20000", value_parser = within(LEAST, 1_000_000))]
+    pub samples: usize,
     /// Particles of sequential Monte Carlo
     #[arg(long, value_name = "N", default_value = "2000", value_parser = within(LEAST, 1_000_000))]
     pub particles: usize,
@@ -58,9 +58,9 @@ pub fn update(arguments: &UpdateArguments, as_json: bool) -> Done {
     let OpenedStudy { study, summary, .. } = &opened;
     let units = read_fleet(&arguments.measured, &study.source, &model, None)?.units;
     let mut settings = FleetSettings::new(study.settings.seed);
-    settings.population = arguments.points;
+    settings.population = arguments.samples;
     settings.monte_carlo.particles = arguments.particles;
-    settings.monte_carlo.least = KEPT * arguments.points as f64;
+    settings.monte_carlo.least = KEPT * arguments.samples as f64;
     let report = update_fleet(study.scene(), summary, &model, &units, &settings);
     answer_with(&answer(&report), &report, arguments.out.as_ref(), as_json)
 }

@@ -37,10 +37,10 @@ pub struct WeibullArguments {
     #[arg(long, value_name = "R", default_value = "0.99", value_parser = probability)]
     pub reliability: f64,
     /// Two-sided confidence of the bounds
-    #[arg(long, value_name = "C", default_value = "90%", value_parser = probability)]
+    #[arg(long, value_name = "SHARE", default_value = "90%", value_parser = probability)]
     pub confidence: f64,
     /// Write weibull.html, weibull.md, weibull.json and figures/ to this folder, created if missing; or the answer to this file
-    #[arg(long, value_name = "DIR-or-FILE")]
+    #[arg(long, value_name = "DIR")]
     pub out: Option<Destination>,
 }
 

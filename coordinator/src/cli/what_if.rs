@@ -14,13 +14,13 @@ pub const EXAMPLES: &str = "\
 KEY is VARIABLE.mean, .std, .lower, .upper, .mode, .truncation or .distribution, LIMIT_STATE.threshold, .lower or \
 .upper, correlation(VARIABLE,VARIABLE) or rank_correlation(VARIABLE,VARIABLE), each with a value as in a scene file. \
 The answer has the reliability, the lives and the first failures before and after, and their changes with 95 % \
-intervals. Without --refine and --target-error nothing is simulated. Further simulations are kept in the study for \
+intervals. Without --max-evaluations and --target-error nothing is simulated. Further simulations are kept in the study for \
 later questions; its own results do not change.
 
 Examples:
   coordinator what-if study --set wear_coefficient.std='2 %' --set wear.threshold='9 um'
   coordinator what-if study --set friction.distribution=lognormal --set 'correlation(friction,clearance_crank)=0.5' --json
-  coordinator what-if study --set wear_coefficient.mean='1.2e-13 1/Pa' --refine 20 --workers auto --out harder";
+  coordinator what-if study --set wear_coefficient.mean='1.2e-13 1/Pa' --max-evaluations 20 --workers auto --out harder";
 
 /// Most simulations of a direct study that surrogates are fitted to: the time grows with the third power of their number, and 2000
 /// took more than ten minutes.
@@ -31,13 +31,13 @@ const MOST_OF_DIRECT: usize = 400;
 pub struct WhatIfArguments {
     /// Folder of the finished study
     pub dir: PathBuf,
-    /// Change a distribution, a threshold or a correlation; repeatable for different keys
+    /// Set a distribution, a threshold or a correlation; repeatable for different keys
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
-    /// Add at most this many simulations of the changed scene, where they reduce the error of its reliability most
-    #[arg(long, value_name = "N", value_parser = positive)]
-    pub refine: Option<usize>,
-    /// Add simulations until the surrogates' part of the interval of any R(n) suits this whole half width, at most --refine or the
+    /// Most evaluations of the changed scene to add, where they reduce the error of its reliability most
+    #[arg(long, alias = "refine", value_name = "N", value_parser = positive)]
+    pub max_evaluations: Option<usize>,
+    /// Half width of the whole 95 % interval of every R(n) that the surrogates' part is to suit: adds at most --max-evaluations, or the
     /// study's budget
     #[arg(long, value_name = "SHARE", value_parser = share)]
     pub target_error: Option<f64>,
@@ -59,8 +59,9 @@ pub struct WhatIfArguments {
 /// # Errors
 /// [`CommandError`].
 pub fn what_if(arguments: &WhatIfArguments, verbosity: Verbosity) -> Done {
-    let WhatIfArguments { dir, set, refine, target_error, confidence, samples, out, farm } = arguments;
-    let refines = refine.is_some() || target_error.is_some();
+    let WhatIfArguments { dir, set, max_evaluations, target_error, confidence, samples, out, farm } =
+        arguments;
+    let refines = max_evaluations.is_some() || target_error.is_some();
     let mut opened = OpenedStudy::open(dir, refines)?;
     let base = opened.present()?;
     // With design variables the question is about the design that the scene itself has, or about the one that is set.
@@ -84,7 +85,7 @@ pub fn what_if(arguments: &WhatIfArguments, verbosity: Verbosity) -> Done {
         return Err(CommandError::refused(dir.display(), fault));
     }
     if refines {
-        let further = refine.unwrap_or(opened.settings.max_evaluations);
+        let further = max_evaluations.unwrap_or(opened.settings.max_evaluations);
         let mut evaluator = opened.evaluator(farm, verbosity.quiet)?;
         opened.refine(changed.nominal(), further, &mut evaluator, verbosity.quiet)?;
         evaluator.close();

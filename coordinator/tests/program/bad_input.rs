@@ -72,7 +72,7 @@ fn faulty_scenes() {
     ] {
         let file = scene_file(folder.path(), from, to);
         let file = file.to_str().unwrap();
-        for command in ["check", "simulate --scene", "run --scene", "explain --scene"] {
+        for command in ["check", "simulate", "run", "explain"] {
             let words: Vec<&str> = command.split(' ').chain([file]).collect();
             let message = refused(&words, 2);
             assert!(message.contains(file), "{message}");
@@ -126,7 +126,7 @@ fn a_locked_linkage_names_joint_and_angle() {
     // Grashof's condition fails: the crank is as long as the ground link lets it be only part of the way.
     let file = scene_file(folder.path(), "crank_length = \"20 mm\"", "crank_length = \"48 mm\"");
     let file = file.to_str().unwrap();
-    for command in [&["check", file][..], &["simulate", "--scene", file], &["run", "--scene", file]] {
+    for command in [&["check", file][..], &["simulate", file], &["run", file]] {
         let message = refused(command, 2);
         assert!(message.contains(&format!("{file}:91:")), "{message}");
         first_message(
@@ -240,7 +240,7 @@ fn faulty_ideal_joints_and_outputs() {
 #[test]
 fn a_study_of_nothing_random() {
     one_message(
-        &refused(&["run", "--scene", "pendulum"], 2),
+        &refused(&["run", "pendulum"], 2),
         &["pendulum: a study needs at least one random variable and one limit state", "`simulate`"],
     );
 }
@@ -253,7 +253,7 @@ fn issue_a_missing_folder_was_found_out_after_the_computation() {
     let scene = file.to_str().unwrap();
     let missing = folder.path().join("no/such/folder");
     let out = missing.join("one.json");
-    let message = refused(&["simulate", "--scene", scene, "--out", out.to_str().unwrap()], 2);
+    let message = refused(&["simulate", scene, "--out", out.to_str().unwrap()], 2);
     one_message(&message, &["--out", &format!("there is no folder {}", missing.display())]);
 }
 
@@ -272,11 +272,7 @@ fn pictures_and_files_that_are_no_scenes() {
 
 #[test]
 fn unknown_scenes() {
-    for command in [
-        &["simulate", "--scene", "flaping-wing"][..],
-        &["check", "flaping-wing"],
-        &["run", "--scene", "flaping-wing"],
-    ] {
+    for command in [&["simulate", "flaping-wing"][..], &["check", "flaping-wing"], &["run", "flaping-wing"]] {
         one_message(
             &refused(command, 2),
             &["flaping-wing: no such scene or file", "did you mean \"flapping-wing\"?"],
@@ -295,14 +291,14 @@ fn bad_settings() {
         ("life.cycles=100", &["life.cycles", "no random variable and no quantity", "`extends`"]),
         ("friction=-0.1", &["friction", "-0.1", "allowed: 0 to 2"]),
     ] {
-        let message = refused(&["simulate", "--scene", "four-bar", "--set", setting], 2);
+        let message = refused(&["simulate", "four-bar", "--set", setting], 2);
         for part in parts {
             assert!(message.contains(part), "no \"{part}\" in: {message}");
         }
     }
-    let twice = ["simulate", "--scene", "four-bar", "--set", "friction=0.1", "--set", "friction=0.2"];
+    let twice = ["simulate", "four-bar", "--set", "friction=0.1", "--set", "friction=0.2"];
     one_message(&refused(&twice, 2), &["--set", "friction is set twice"]);
-    let message = refused(&["simulate", "--scene", "four-bar", "--set", "a=1", "--set", "friction=1 N"], 2);
+    let message = refused(&["simulate", "four-bar", "--set", "a=1", "--set", "friction=1 N"], 2);
     assert!(message.contains("2 faults"), "{message}");
 }
 
@@ -338,7 +334,7 @@ fn addresses_that_cannot_be_listened_on() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("study");
     let out = out.to_str().unwrap();
-    let run = ["run", "--scene", "four-bar", "--workers", "0", "--out", out];
+    let run = ["run", "four-bar", "--workers", "0", "--out", out];
     let with = |more: &[&'static str]| [&run[..], more].concat();
     one_message(&refused(&with(&["--listen", "tcp/0.0.0.0:0"]), 2), &["tcp/0.0.0.0:0", "--insecure"]);
     one_message(
@@ -366,7 +362,7 @@ fn an_output_folder_in_use() {
     use std::io::{BufRead, BufReader};
     let folder = tempfile::tempdir().unwrap();
     let dir = folder.path().to_str().unwrap();
-    let run = ["run", "--scene", "four-bar", "--workers", "0", "--out", dir];
+    let run = ["run", "four-bar", "--workers", "0", "--out", dir];
     let child = Command::new(env!("CARGO_BIN_EXE_coordinator"))
         .args(run)
         .stderr(std::process::Stdio::piped())
@@ -391,7 +387,7 @@ fn an_output_folder_in_use() {
     assert!(lines.any(|line| line.starts_with("error: interrupted;") && line.contains("coordinator resume")));
     assert_eq!(waiting.0.wait().unwrap().code(), Some(130));
     for workers in ["0", "1"] {
-        let again = ["run", "--scene", "four-bar", "--workers", workers, "--out", dir];
+        let again = ["run", "four-bar", "--workers", workers, "--out", dir];
         one_message(&refused(&again, 2), &[dir, "already holds a study", "coordinator resume"]);
     }
     one_message(&refused(&["report", dir], 2), &[dir, "not finished"]);

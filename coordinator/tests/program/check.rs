@@ -91,8 +91,7 @@ fn issue_a_changed_scene_was_written_without_its_comments() {
     let folder = tempfile::tempdir().unwrap();
     let study = folder.path().join("study");
     let small = ["--method", "monte-carlo", "--samples", "2", "--accuracy", "draft", "-q"];
-    let set =
-        ["run", "--scene", "four-bar", "--set", "friction=0.06", "--set", "parameters.width=11 mm", "--out"];
+    let set = ["run", "four-bar", "--set", "friction=0.06", "--set", "parameters.width=11 mm", "--out"];
     printed(&[&set[..], &[study.to_str().unwrap()], &small].concat());
     let stored = std::fs::read_to_string(study.join("scene.toml")).unwrap();
     assert_eq!(comments(&stored), comments(source.text()));

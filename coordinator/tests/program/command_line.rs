@@ -30,7 +30,7 @@ fn keys(value: &Value) -> Vec<&str> {
 fn simulate_prints_the_contract() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("out.json");
-    let simulate = ["simulate", "--scene", "four-bar", "--accuracy", "draft"];
+    let simulate = ["simulate", "four-bar", "--accuracy", "draft"];
     let output = coordinator(&[&simulate[..], &["--out", file.to_str().unwrap()]].concat());
     assert!(output.stderr.is_empty());
     let said = String::from_utf8(output.stdout).unwrap();
@@ -104,7 +104,7 @@ fn simulate_prints_the_contract() {
 #[test]
 fn settings_change_the_simulation() {
     let simulate = |setting: &str| {
-        json(&["simulate", "--scene", "four-bar", "--accuracy", "draft", "--set", setting])["joints"][0]["peak_force_N"]
+        json(&["simulate", "four-bar", "--accuracy", "draft", "--set", setting])["joints"][0]["peak_force_N"]
             .as_f64()
             .unwrap()
     };
@@ -144,7 +144,7 @@ fn scenes_are_listed_shown_and_valid() {
         let file = file.to_str().unwrap();
         assert!(text(&["check", file, "--quick"]).contains("valid"));
         assert_eq!(json(&["check", file, "--quick", "--json"])["valid"], Value::Bool(true));
-        assert_eq!(json(&["explain", "--scene", file, "--json"])["name"], Value::from(name));
+        assert_eq!(json(&["explain", file, "--json"])["name"], Value::from(name));
     }
 }
 
@@ -197,6 +197,10 @@ fn explain_says_what_is_modelled() {
     ] {
         assert!(found.contains(part), "no \"{part}\" in:\n{found}");
     }
+    let quick = text(&["explain", "--quick"]);
+    assert!(
+        quick.contains("72000 cycles") && found.contains("Nominal wear") && !quick.contains("Nominal wear")
+    );
 }
 
 #[test]
@@ -225,7 +229,7 @@ fn every_command_helps_with_an_example() {
 #[test]
 fn an_error_budget_chooses_the_accuracy() {
     let chosen = |budget: &str| {
-        let output = coordinator(&["simulate", "--scene", "four-bar", "--max-error", budget]);
+        let output = coordinator(&["simulate", "four-bar", "--max-error", budget]);
         let told = String::from_utf8(output.stderr).unwrap();
         let found: Value = serde_json::from_slice(&output.stdout).unwrap();
         let name = found["accuracy"].as_str().unwrap().to_owned();
@@ -243,9 +247,8 @@ fn tradeoff_measures_every_setting_and_writes_its_files() {
     let out = folder.path().join("tradeoff");
     let table = text(&[
         "tradeoff",
-        "--scene",
         "four-bar",
-        "--points",
+        "--samples",
         "2",
         "--setting",
         "draft",

@@ -282,7 +282,7 @@ fn write_the_file_of_this_version() {
     assert!(text.contains("checkpoint_every = 2000"));
     std::fs::write(made.path().join("four-bar.toml"), text).unwrap();
     let mut program = Command::new(env!("CARGO_BIN_EXE_coordinator"));
-    program.args(STUDY.split(' ')).args(["study", "--scene", "four-bar.toml"]).current_dir(made.path());
+    program.args(STUDY.split(' ')).args(["study", "four-bar.toml"]).current_dir(made.path());
     let output = program.output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 

@@ -121,7 +121,7 @@ fn contains(text: &str, parts: &[&str]) {
 fn issue_all_simulations_fail_and_no_command_says_why() {
     let Some(study) = Study::new("answer(id, failure='no license')") else { return };
     for method in ["ak", "monte-carlo"] {
-        let run = format!("run --scene study.toml --method {method} --workers 2 --out {method} --quiet");
+        let run = format!("run study.toml --method {method} --workers 2 --out {method} --quiet");
         let cause = "the nominal mechanism cannot be simulated: the simulator reports: no license";
         contains(&study.refused(&run, 1), &[cause, &format!("`coordinator resume {method}` tries again")]);
         // One evaluation was enough to find out.
@@ -148,7 +148,7 @@ fn issue_a_program_that_does_not_flush_was_found_out_after_the_initial_design() 
     let Some(study) = Study::new(reply) else { return };
     std::fs::write(study.file("study.toml"), SCENE.replace("20 s", "1 s")).unwrap();
     let started = Instant::now();
-    let said = study.refused("run --scene study.toml --workers 1 --out out --quiet", 1);
+    let said = study.refused("run study.toml --workers 1 --out out --quiet", 1);
     contains(&said, &["no answer within 1 s", "flush its output after every reply", "simulator.timeout"]);
     // None if Python takes that long to start.
     assert!(study.asked().len() <= 1);
@@ -159,9 +159,9 @@ fn issue_a_program_that_does_not_flush_was_found_out_after_the_initial_design() 
 fn too_few_results_are_told_with_their_cause_and_the_limit_state_by_name() {
     let nominal = format!("answer(id, failure='it diverged') if id > 0 else {RIGHT}");
     let Some(study) = Study::new(&nominal) else { return };
-    let said = study.refused("run --scene study.toml --workers 2 --initial 6 --out few --quiet", 1);
+    let said = study.refused("run study.toml --workers 2 --initial 6 --out few --quiet", 1);
     contains(&said, &["1 of 6 simulations gave a result", "5 failed like this", "it diverged"]);
-    let said = study.refused("run --scene study.toml --workers 2 --out many --quiet", 1);
+    let said = study.refused("run study.toml --workers 2 --out many --quiet", 1);
     contains(&said, &["11 of 12 simulations failed, 11 of them like this", "it diverged"]);
 }
 
@@ -169,15 +169,13 @@ fn too_few_results_are_told_with_their_cause_and_the_limit_state_by_name() {
 fn issue_too_many_failures_were_a_dead_end() {
     let reply = format!("answer(id, failure='too strong') if R > 10.5 else {RIGHT}");
     let Some(study) = Study::new(&reply) else { return };
-    let said = study.refused("run --scene study.toml --workers 2 --seed 3 --out one --quiet", 1);
+    let said = study.refused("run study.toml --workers 2 --seed 3 --out one --quiet", 1);
     let share = said.split("--max-failed ").nth(1).and_then(|rest| rest.strip_suffix("%`"));
     let share = share.unwrap_or_else(|| panic!("{said}"));
     contains(&said, &["simulations failed", "too strong", "`coordinator resume one --max-failed"]);
     contains(&study.refused("report one", 2), &["ended without a result", "--max-failed"]);
     study.done(&format!("resume one --workers 2 --max-failed {share}% --quiet"));
-    study.done(&format!(
-        "run --scene study.toml --workers 2 --seed 3 --max-failed {share}% --out two --quiet"
-    ));
+    study.done(&format!("run study.toml --workers 2 --seed 3 --max-failed {share}% --out two --quiet"));
     assert_eq!(study.summary("one"), study.summary("two"));
     assert_eq!(study.samples("one"), study.samples("two"));
 }
@@ -185,7 +183,7 @@ fn issue_too_many_failures_were_a_dead_end() {
 #[test]
 fn issue_a_study_could_not_be_extended() {
     let Some(study) = Study::new(RIGHT) else { return };
-    let run = "run --scene study.toml --workers 2 --seed 3 --quiet --target-error 0.00001";
+    let run = "run study.toml --workers 2 --seed 3 --quiet --target-error 0.00001";
     let told = study.done(&format!("{run} --max-evaluations 16 --out legs"));
     contains(&told, &["ended before its targets were met", "`coordinator resume legs --max-evaluations 32`"]);
     let page = std::fs::read_to_string(study.file("legs/report.html")).unwrap();
@@ -212,7 +210,7 @@ fn issue_a_study_could_not_be_extended() {
 #[test]
 fn more_samples_keep_all_results() {
     let Some(study) = Study::new(RIGHT) else { return };
-    let direct = "run --scene study.toml --workers 2 --seed 3 --method monte-carlo --quiet";
+    let direct = "run study.toml --workers 2 --seed 3 --method monte-carlo --quiet";
     study.done(&format!("{direct} --samples 60 --out legs"));
     study.asked();
     study.done("resume legs --samples 100 --quiet");
@@ -222,7 +220,7 @@ fn more_samples_keep_all_results() {
     contains(&study.refused("resume legs --samples 50", 2), &["--samples 50", "at least the 100"]);
     contains(&study.refused("resume legs --max-evaluations 500", 2), &["--max-evaluations", "--samples"]);
 
-    study.done("run --scene study.toml --workers 2 --seed 3 --quiet --out learned");
+    study.done("run study.toml --workers 2 --seed 3 --quiet --out learned");
     let before = study.summary("learned");
     let known = study.samples("learned");
     study.asked();
@@ -257,8 +255,8 @@ fn set_mode(path: &Path, mode: u32) {
 #[test]
 fn issue_reading_needed_a_write_lock() {
     let Some(study) = Study::new(RIGHT) else { return };
-    study.done("run --scene study.toml --workers 2 --quiet --out first");
-    study.done("run --scene study.toml --workers 2 --quiet --method monte-carlo --samples 60 --out direct");
+    study.done("run study.toml --workers 2 --quiet --out first");
+    study.done("run study.toml --workers 2 --quiet --method monte-carlo --samples 60 --out direct");
     set_mode(study.folder.path(), 0o755);
     for dir in ["first", "direct"] {
         for entry in std::fs::read_dir(study.file(dir)).unwrap() {
@@ -272,7 +270,7 @@ fn issue_reading_needed_a_write_lock() {
         ("status first", 0, ""),
         ("report first", 2, "no file can be written here"),
         ("resume first", 2, "ermission denied"),
-        ("run --scene study.toml --out first/inside", 2, "ermission denied"),
+        ("run study.toml --out first/inside", 2, "ermission denied"),
     ] {
         let Some(output) = unprivileged(study.command(arguments)) else { return };
         let message = said(&output, code, arguments);
@@ -291,14 +289,14 @@ fn issue_one_cause_had_several_exit_codes() {
     let Some(study) = Study::new(RIGHT) else { return };
     let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
     let port = taken.local_addr().unwrap().port();
-    let four_bar = "run --scene four-bar --workers 0 --out out";
+    let four_bar = "run four-bar --workers 0 --out out";
     for arguments in [
         format!("{four_bar} --listen tcp/127.0.0.1:{port}"),
         format!("{four_bar} --live {port}"),
-        "run --scene four-bar --initial 1 --out out".to_owned(),
-        "run --scene four-bar --samples 5 --out out".to_owned(),
-        "run --scene study.toml --workers -1 --out out".to_owned(),
-        "run --scene study.toml --out study.toml/inside".to_owned(),
+        "run four-bar --initial 1 --out out".to_owned(),
+        "run four-bar --samples 5 --out out".to_owned(),
+        "run study.toml --workers -1 --out out".to_owned(),
+        "run study.toml --out study.toml/inside".to_owned(),
         "init press --out no/such/press.toml".to_owned(),
         "compare none none --out c.html".to_owned(),
     ] {
@@ -329,20 +327,20 @@ fn issue_a_closed_pipe_ended_a_study_with_a_panic() {
         command.stdout(writer.try_clone().unwrap()).stderr(writer);
         command.status().unwrap().code()
     };
-    assert_eq!(run("run --scene study.toml --workers 2 --out study"), Some(0));
+    assert_eq!(run("run study.toml --workers 2 --out study"), Some(0));
     assert!(study.file("study/report.html").is_file());
     contains(&study.done("status study"), &["strength: finished"]);
     for command in ["status study", "scenes", "sensitivity study", "resume study", "man", "schema"] {
         assert_eq!(run(command), Some(0), "{command}");
     }
     // An error keeps its exit code.
-    assert_eq!(run("run --scene study.toml --out study"), Some(2));
+    assert_eq!(run("run study.toml --out study"), Some(2));
 }
 
 #[test]
 fn issue_times_of_a_resumed_study_were_those_of_its_last_run() {
     let Some(study) = Study::new(RIGHT) else { return };
-    study.done("run --scene study.toml --workers 2 --out study --quiet");
+    study.done("run study.toml --workers 2 --out study --quiet");
     let first = times(&study);
     study.done("resume study --workers 2 --target-error 1e-9 --max-evaluations 40 --quiet");
     let second = times(&study);

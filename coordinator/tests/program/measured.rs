@@ -45,9 +45,7 @@ fn the_test_of_a_fit_is_shown() {
     };
     // The values were drawn from a lognormal distribution; an exponential one has another shape.
     assert!(p("lognormal") > 0.05 && p("exponential") < 0.01, "{families:?}");
-    assert!(
-        stdout(&coordinator(&["explain", "--scene", scene])).contains("friction: empirical distribution")
-    );
+    assert!(stdout(&coordinator(&["explain", scene])).contains("friction: empirical distribution"));
 
     let text = std::fs::read_to_string(scene).unwrap();
     std::fs::write(scene, text.replace("\"lognormal\"", "\"weibull\"")).unwrap();
@@ -62,18 +60,8 @@ fn a_study_goes_on_without_the_files() {
     let scene = measured(folder.path());
     let study = folder.path().join("study");
     let study = study.to_str().unwrap();
-    let arguments = [
-        "run",
-        "--scene",
-        scene.to_str().unwrap(),
-        "--accuracy",
-        "draft",
-        "--initial",
-        "12",
-        "-q",
-        "--out",
-        study,
-    ];
+    let arguments =
+        ["run", scene.to_str().unwrap(), "--accuracy", "draft", "--initial", "12", "-q", "--out", study];
     stdout(&coordinator(&[&arguments[..], &["--max-evaluations", "14"]].concat()));
     for name in ["measured.toml", "measured-torque.csv", "measured-clearances.csv", "measured-friction.csv"] {
         std::fs::remove_file(folder.path().join(name)).unwrap();

@@ -1,6 +1,6 @@
 //! The picture at the head of the README is the figure that the program draws from the numbers in the same folder.
 //!
-//! All come from `coordinator run --scene flapping-wing --out study`: `study/figures/reliability.svg`, `study/reliability.csv`, and
+//! All come from `coordinator run flapping-wing --out study`: `study/figures/reliability.svg`, `study/reliability.csv`, and
 //! of `study/summary.json` what the figure needs.
 
 use coordinator::presentation::report::{reliability_figure, standalone};

@@ -307,7 +307,6 @@ fn a_summary_is_described_completely() {
     let study = folder.path().join("study");
     let run = [
         "run",
-        "--scene",
         "four-bar",
         "--accuracy",
         "draft",

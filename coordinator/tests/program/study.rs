@@ -16,8 +16,7 @@ fn coordinator(arguments: &[&str]) -> Command {
 
 /// A small study of the four-bar in `dir`.
 fn run<'a>(dir: &'a str, workers: &'a str) -> Vec<&'a str> {
-    let study =
-        "run --scene four-bar --accuracy draft --samples 4000 --initial 16 --max-evaluations 40 --seed 3";
+    let study = "run four-bar --accuracy draft --samples 4000 --initial 16 --max-evaluations 40 --seed 3";
     study.split(' ').chain(["--workers", workers, "--out", dir]).collect()
 }
 
@@ -122,8 +121,7 @@ fn a_study_gives_the_same_answer_whatever_happens_to_it() {
 fn direct_monte_carlo_counts() {
     let folder = tempfile::tempdir().unwrap();
     let dir = folder.path().display().to_string();
-    let study =
-        "run --scene four-bar --accuracy draft --method monte-carlo --samples 20 --seed 3 --quiet --json";
+    let study = "run four-bar --accuracy draft --method monte-carlo --samples 20 --seed 3 --quiet --json";
     let told = done(&study.split(' ').chain(["--workers", "2", "--out", &dir]).collect::<Vec<_>>());
     let summary: Value = serde_json::from_str(&told).unwrap();
     assert_eq!(summary["method"], "monte-carlo");

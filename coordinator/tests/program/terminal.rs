@@ -8,7 +8,7 @@ use std::process::Command;
 fn a_terminal_of_80_columns_shows_time_rate_and_error() {
     let folder = tempfile::tempdir().unwrap();
     let run = format!(
-        "stty cols 80 rows 24; {} run --scene four-bar --levels draft --initial 12 --max-evaluations 40 --out {}",
+        "stty cols 80 rows 24; {} run four-bar --levels draft --initial 12 --max-evaluations 40 --out {}",
         env!("CARGO_BIN_EXE_coordinator"),
         folder.path().join("study").display()
     );
@@ -55,7 +55,7 @@ fn issue_a_full_disk_was_no_error() {
     }
     let simulate = |options: &[&str]| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_coordinator"));
-        command.args(["simulate", "--scene", "four-bar", "--accuracy", "draft"]).args(options);
+        command.args(["simulate", "four-bar", "--accuracy", "draft"]).args(options);
         command
     };
     let mut to_standard_output = simulate(&[]);

@@ -86,10 +86,10 @@ def what_if(study: StudyOrFolder, set: Settings | None = None, **options: Any) -
     return _of_study("what-if", study, {**options, "set": _pairs(set)})
 
 
-def designs(study: StudyOrFolder, **options: Any) -> Answer:
-    """Reliability and lives of every design of a study with design variables; `at={"parameters.width": "11 mm"}` for one of them."""
-    at = options.pop("at", None)
-    return _of_study("designs", study, {**options, "at": _pairs(at) if isinstance(at, Mapping) else at})
+def designs(study: StudyOrFolder, set: Settings | None = None, **options: Any) -> Answer:
+    """Reliability and lives of every design of a study with design variables; `set={"parameters.width": "11 mm"}` for one of them."""
+    chosen = set or options.pop("at", None)
+    return _of_study("designs", study, {**options, "set": _pairs(chosen) if isinstance(chosen, Mapping) else chosen})
 
 
 def optimise(study: StudyOrFolder, problem: Mapping[str, Any] | str | os.PathLike[str], **options: Any) -> Answer:
@@ -118,10 +118,9 @@ def learn(study: StudyOrFolder, data: Observations, **options: Any) -> Answer:
 
 def _of_scene(command: str, scene: Scene, set: Settings | None, options: Mapping[str, Any]) -> Answer:
     with file_of(scene) as file:
-        place = [file] if command == "check" else ["--scene", file]
         hidden = file if isinstance(scene, dict) else None
         try:
-            printed = output_of("--json", command, *place, *words({**options, "set": _pairs(set)}))
+            printed = output_of("--json", command, file, *words({**options, "set": _pairs(set)}))
         except ProgramError as error:
             said = without(str(error), hidden), without(error.printed, hidden)
             raise ProgramError(error.code, *said) from None

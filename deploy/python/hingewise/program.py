@@ -47,7 +47,7 @@ def output_of(*arguments: object) -> str:
 
 
 def call(*arguments: object) -> Any:
-    """The result of a command with `--json`: `call("simulate", "--scene", "pendulum")`.
+    """The result of a command with `--json`: `call("simulate", "pendulum")`.
 
     Raises ProgramError with what it says.
     """

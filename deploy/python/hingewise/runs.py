@@ -51,7 +51,7 @@ def run(
     Raises ProgramError.
     """
     with file_of(scene) as file:
-        command = ["run", "--scene", file, "--out", os.fspath(out), *words(options)]
+        command = ["run", file, "--out", os.fspath(out), *words(options)]
         return _study(command, out, progress, hidden=file if isinstance(scene, dict) else None)
 
 

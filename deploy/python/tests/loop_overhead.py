@@ -67,7 +67,7 @@ def measured(coordinator, law, instants):
         text = text.replace('"reaction"', '"contact"').replace('"local-hertz"', f'"{law}"')
         scene = Path(folder) / "overhead.toml"
         scene.write_text(text)
-        subprocess.run([coordinator, "simulate", "--scene", str(scene)], check=True, capture_output=True)
+        subprocess.run([coordinator, "simulate", str(scene)], check=True, capture_output=True)
         return json.loads(log.read_text())
 
 

@@ -252,7 +252,7 @@ class ElsewhereTest(unittest.TestCase):
         Path("sub/four.toml").write_text('[scene]\nname = "four"\nextends = "four-bar"\n')
 
     def simulated(self, file):
-        return hingewise.call("simulate", "--scene", file, "--accuracy", "draft")["max_wear_depth_m"]
+        return hingewise.call("simulate", file, "--accuracy", "draft")["max_wear_depth_m"]
 
     def test_issue_a_scene_of_another_folder_took_files_of_this_one(self):
         for name in ("base", "own"):
@@ -284,7 +284,7 @@ class Scenes(unittest.TestCase):
             file = Path(folder, "scene.toml")
             hingewise.save_scene(hingewise.load_scene("four-bar"), file)
             self.assertEqual(hingewise.load_scene(file), hingewise.load_scene("four-bar"))
-            results = [hingewise.call("simulate", "--scene", s, "--accuracy", "draft") for s in (file, "four-bar")]
+            results = [hingewise.call("simulate", s, "--accuracy", "draft") for s in (file, "four-bar")]
         for result in results:
             del result["wall_s"]
         self.assertEqual(*results)

@@ -52,7 +52,7 @@ sed -e "s/^initial = .*/initial = $EVALUATIONS/" -e "s/^max_evaluations = .*/max
 jobs_now() { hq job list --filter waiting,running --output-mode quiet; }
 
 began=$SECONDS
-coordinator run --scene scene.toml --levels reference --out scaled --workers 0 --scale hyperqueue --most "$MOST" \
+coordinator run scene.toml --levels reference --out scaled --workers 0 --scale hyperqueue --most "$MOST" \
     --idle 10s -v >scaled.out 2>scaled.log &
 study=$!
 within 120 has_first_result scaled
@@ -78,6 +78,6 @@ echo "no job left $((SECONDS - ended)) s after the end; at most $most_seen jobs 
 [ -n "${cancelled:-}" ] || fail "the study ended before its jobs were cancelled: set EVALUATIONS higher"
 hq job summary --output-mode quiet
 
-coordinator run --quiet --scene scene.toml --levels reference --out alone --workers auto >/dev/null
+coordinator run scene.toml --quiet --levels reference --out alone --workers auto >/dev/null
 have_same_bytes scaled alone
 echo "ok: the bytes of a local study"

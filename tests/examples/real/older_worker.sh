@@ -60,7 +60,7 @@ PATH=$CARGO_TARGET_DIR/$folder:$PATH
 study() {
     local out=$1
     shift
-    coordinator run --scene four-bar --initial 8 --max-evaluations 16 --seed 3 --out "$work/$out" --workers 0 \
+    coordinator run four-bar --initial 8 --max-evaluations 16 --seed 3 --out "$work/$out" --workers 0 \
         --listen "tcp/127.0.0.1:$port" "$@" >/dev/null 2>"$work/$out.log" &
     coordinator_process=$!
     started+=("$coordinator_process")

@@ -156,6 +156,6 @@ jobs_of_workers=$(grep -oE "^slurm-${worker_jobs}_[0-9]+" <<<"$workers" | sort -
 grep -q "evaluations are done already" hingewise-coordinator-*.log || fail "the coordinator's job was not requeued"
 grep -q "Name=STOP JobState=TIMEOUT" "$work/jobs.txt" || fail "Slurm did not end the hanging worker"
 
-coordinator run --quiet --scene scene.toml --accuracy reference --out alone --workers auto >/dev/null
+coordinator run scene.toml --quiet --accuracy reference --out alone --workers auto >/dev/null
 have_same_bytes "$STUDY" alone
 echo "ok: $jobs_of_workers worker jobs and the requeued coordinator give the bytes of a local study"

@@ -107,7 +107,7 @@ watch_jobs() {
 }
 
 began=$SECONDS
-coordinator run --scene scene.toml --levels reference --out scaled --workers 0 --scale slurm --most "$MOST" --idle 10s -v \
+coordinator run scene.toml --levels reference --out scaled --workers 0 --scale slurm --most "$MOST" --idle 10s -v \
     >scaled.out 2>scaled.log &
 study=$!
 within 120 has_first_result scaled
@@ -131,6 +131,6 @@ echo "both nodes back $((SECONDS - ended)) s after the end; at most $most_seen j
 echo "jobs, by state of their end:"
 sed -E 's/^JobId=([0-9]+).* JobState=([A-Z]+).*/\2/' "$work/jobs.txt" | sort | uniq -c
 
-coordinator run --quiet --scene scene.toml --levels reference --out alone --workers auto >/dev/null
+coordinator run scene.toml --quiet --levels reference --out alone --workers auto >/dev/null
 have_same_bytes scaled alone
 echo "ok: the bytes of a local study"

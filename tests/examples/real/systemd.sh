@@ -171,9 +171,9 @@ container=
 cat "$root/trial.log" || fail "the container did not start"
 [ "$(tail -n 1 "$root/trial.log")" = ok ] || { cat "$root/journal.log" >&2; fail "see above"; }
 
-"$programs/coordinator" run --quiet --scene "$work/trial.toml" --out "$work/alone" --workers auto >/dev/null 2>"$work/alone.log" ||
+"$programs/coordinator" run "$work/trial.toml" --quiet --out "$work/alone" --workers auto >/dev/null 2>"$work/alone.log" ||
     fail "the study outside"
-"$programs/coordinator" run --quiet --scene "$work/beam.toml" --seed 3 --out "$work/alone-beam" --workers 1 >/dev/null \
+"$programs/coordinator" run "$work/beam.toml" --quiet --seed 3 --out "$work/alone-beam" --workers 1 >/dev/null \
     2>>"$work/alone.log" || fail "the study of a program outside"
 for study in trial beam; do
     alone=$work/alone

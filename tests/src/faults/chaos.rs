@@ -63,7 +63,7 @@ pub fn chaos(study: &ChaosStudy<'_>, folder: &Path, seed: u64) -> Faults {
         let begun = folder.join("campaign.db").exists();
         match begun {
             true => command.arg("resume").arg(folder).args(study.options[1]),
-            false => command.args(["run", "--out"]).arg(folder).arg("--scene").arg(study.scene),
+            false => command.args(["run", "--out"]).arg(folder).arg(study.scene),
         };
         if !begun {
             command.args(study.options[0]);

@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 use tests::program;
 
 /// Arguments of the coordinator, as the front page shows them.
-pub const COMMAND: [&str; 7] = ["run", "--scene", "four-bar", "--accuracy", "draft", "--out", "study"];
+pub const COMMAND: [&str; 6] = ["run", "four-bar", "--accuracy", "draft", "--out", "study"];
 
 /// A finished study.
 pub struct QuickStudy {

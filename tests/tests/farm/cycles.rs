@@ -44,7 +44,7 @@ fn a_worker_and_a_coordinator_that_are_killed_repeat_no_cycle_but_the_one_under_
         let study = ["--method", "monte-carlo", "--samples", "8"];
         let [whole, killed] = ["whole", "killed"].map(|name| folder.path().join(name));
         let [out, again] = [&whole, &killed].map(|folder| folder.display().to_string());
-        let options = ["run", "--scene", &scene, "--workers", "1", "--out", &out];
+        let options = ["run", &scene, "--workers", "1", "--out", &out];
         assert!(coordinator(&[&options[..], &study].concat()).end(MINUTES).success());
         let undisturbed = requests(folder.path());
         std::fs::remove_file(folder.path().join("requests")).unwrap();
@@ -67,7 +67,7 @@ fn a_worker_and_a_coordinator_that_are_killed_repeat_no_cycle_but_the_one_under_
                 std::thread::sleep(Duration::from_millis(5));
             }
         };
-        let options = ["run", "--scene", &scene, "--out", &again];
+        let options = ["run", &scene, "--out", &again];
         let mut running = coordinator(&[&options[..], &study, &farm].concat());
         let mut first = worker();
         wait_for(7, &mut running);

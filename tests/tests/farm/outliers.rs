@@ -52,7 +52,7 @@ fn coordinator(arguments: &[&str], out: &Path) -> (Value, String) {
 
 fn study(file: &Path, out: &Path, workers: &str) -> (Value, String) {
     let (file, folder) = (file.to_str().unwrap(), out.to_str().unwrap());
-    let run = ["run", "--scene", file, "--workers", workers, "--initial", "60", "--max-evaluations", "80"];
+    let run = ["run", file, "--workers", workers, "--initial", "60", "--max-evaluations", "80"];
     coordinator(&[&run[..], &["--seed", "3", "--out", folder]].concat(), out)
 }
 

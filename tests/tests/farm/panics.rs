@@ -16,7 +16,7 @@ fn issue_a_process_lived_on_after_a_panic_of_its_messaging() {
     for files in [16, 20, 30, 32, 34, 36] {
         let log = folder.path().join(format!("{files}.log"));
         let script = format!(
-            "ulimit -n {files}; exec {} run --scene four-bar --accuracy draft --method monte-carlo --samples 2 --workers 1 --out {}",
+            "ulimit -n {files}; exec {} run four-bar --accuracy draft --method monte-carlo --samples 2 --workers 1 --out {}",
             program("coordinator").display(),
             folder.path().join(files.to_string()).display()
         );

@@ -19,7 +19,7 @@ fn start_coordinator(
     config: Option<&Path>,
 ) -> (LoggedProcess, String) {
     let out = folder.join(name);
-    let mut arguments = vec!["run", "--scene", "four-bar", "--workers", "0", "--listen", endpoint, "--out"];
+    let mut arguments = vec!["run", "four-bar", "--workers", "0", "--listen", endpoint, "--out"];
     arguments.push(out.to_str().unwrap());
     if let Some(config) = config {
         arguments.extend(["--config", config.to_str().unwrap()]);

@@ -23,7 +23,7 @@ fn a_study_through_two_routers_has_the_bits_of_a_local_one() {
         let at = |name: &str| folder.path().join(name);
         let (scene, alone, farmed) = (at("small.toml"), at("alone"), at("farmed"));
         std::fs::write(&scene, small_scene(12)).unwrap();
-        let study = ["run", "--scene", text(&scene)];
+        let study = ["run", text(&scene)];
         let mut local = LoggedProcess::start(
             "coordinator",
             &[&study[..], &["--workers", "1", "--out", text(&alone)]].concat(),

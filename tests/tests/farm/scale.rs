@@ -13,7 +13,7 @@ fn jobs_are_asked_for_a_rejected_one_again_and_the_study_has_the_bits_of_a_local
         std::fs::write(path("scene.toml"), small_scene(24)).unwrap();
         let run = |out: &str, options: &[&str]| {
             let (scene, out) = (path("scene.toml"), path(out));
-            let study = ["run", "--scene", &scene, "--accuracy", "draft", "--out", &out, "-v"];
+            let study = ["run", &scene, "--accuracy", "draft", "--out", &out, "-v"];
             LoggedProcess::start("coordinator", &[&study, options].concat())
         };
         assert_eq!(run("alone", &["--workers", "1"]).end(), Some(0));

@@ -14,8 +14,7 @@ const PATIENCE: Duration = Duration::from_secs(240);
 
 fn study(workers: &str, dir: &str) -> Command {
     let mut command = Command::new(program("coordinator"));
-    let study =
-        "run --scene four-bar --accuracy draft --samples 4000 --initial 16 --max-evaluations 40 --seed 3";
+    let study = "run four-bar --accuracy draft --samples 4000 --initial 16 --max-evaluations 40 --seed 3";
     command.args(study.split(' ')).args(["--workers", workers, "--out", dir]);
     command.stdout(Stdio::null()).stderr(Stdio::piped());
     command

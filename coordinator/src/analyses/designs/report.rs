@@ -164,7 +164,7 @@ fn sentences(report: &DesignReport<'_>) -> Vec<String> {
         let [largest, target] = [refined.largest_error, refined.target_error].map(three_digits);
         all.push(format!(
             "The estimated surrogate error of R is up to {largest} (a study stops at {target}); more simulations where it \
-             arises reduce it: {command} --refine 20"
+             arises reduce it: {command} --max-evaluations 20"
         ));
     }
     let answers = answers.iter().enumerate();

@@ -130,7 +130,7 @@ impl DesignSpace {
     /// # Errors
     /// Keys that are no design variables, missing ones, and values outside their ranges.
     pub fn design(&self, settings: &[String]) -> Result<Vec<f64>, Faults> {
-        let refuse = |text: &str, message: String| Faults::one("--at", text, message);
+        let refuse = |text: &str, message: String| Faults::one("--set", text, message);
         let keys = || self.variables.iter().map(|v| v.key.as_str()).collect::<Vec<_>>().join(", ");
         let mut values = vec![None; self.variables.len()];
         for setting in settings {

@@ -160,7 +160,7 @@ fn notes(report: &LearnReport) -> Vec<String> {
     notes.extend(report.left.iter().map(|left| {
         format!(
             "Caution: {} of the units have values of {} that were not simulated ({} in the study); the responses there are \
-             extrapolated; --refine simulates them.",
+             extrapolated; --max-evaluations simulates them.",
             percent(left.outside),
             left.name,
             percent(left.of_study)

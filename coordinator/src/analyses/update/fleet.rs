@@ -117,7 +117,7 @@ fn unsupported(unit: &ObservedUnit, Unsupported { place, resolution }: Unsupport
     let Observation { name, cycles, line, .. } = &unit.observations[place];
     let warning = format!(
         "{name} at {cycles} cycles (line {line}) agrees with none of the points of the model that the earlier observations leave: its \
-         probability is below {resolution:.1e} (95 %), and nothing is stated about this unit; more --points show whether \
+         probability is below {resolution:.1e} (95 %), and nothing is stated about this unit; more --samples show whether \
          it is possible"
     );
     let (failed_by, warning) = (unit.failed_by(), Some(warning));
@@ -157,7 +157,7 @@ fn unresolved(posterior: &UnitPosterior) -> Option<String> {
     (!is_resolved(posterior)).then(|| {
         format!(
             "the effective sample size is {:.2}, below {LEAST_SIZE}: no quantile of its life is stated; the error of a measurement is \
-             small against what the points resolve: give more --points and --particles",
+             small against what the points resolve: give more --samples and --particles",
             posterior.effective_size
         )
     })

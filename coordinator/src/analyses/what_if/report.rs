@@ -216,7 +216,7 @@ fn sentences(answer: &WhatIf, added: usize, command: &str) -> Vec<String> {
     all.extend((answer.surrogate_error > answer.target_error).then(|| {
         format!(
             "The estimated surrogate error of R after the change is up to {error} (a study stops at {target}); more simulations where it \
-             arises reduce it: {command} --refine 20"
+             arises reduce it: {command} --max-evaluations 20"
         )
     }));
     all.extend(unresolved_fall(&answer.after).map(|note| format!("Caution: {note}")));
@@ -243,7 +243,7 @@ fn region(answer: &WhatIf) -> String {
     }
     if region.is_left() {
         text += " The stated errors grow there as the surrogates expect; whether the response goes on as inside, only \
-                 simulations show (--refine).";
+                 simulations show (--max-evaluations).";
     }
     let unknown = region.unknown_share();
     if unknown > 0.0 {

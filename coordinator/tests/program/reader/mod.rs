@@ -47,7 +47,7 @@ fn is_rebuilt(scene: &str, options: &[&str]) {
     let (study, file) = (folder.path().join("study"), folder.path().join("own.toml"));
     std::fs::write(&file, scene).unwrap();
     let mut command = Command::new(env!("CARGO_BIN_EXE_coordinator"));
-    command.args(["run", "-q", "--scene"]).arg(&file).arg("--out").arg(&study).args(options);
+    command.args(["run", "-q"]).arg(&file).arg("--out").arg(&study).args(options);
     let output = command.output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let page = std::fs::read_to_string(study.join("report.html")).unwrap();

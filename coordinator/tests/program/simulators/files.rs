@@ -40,13 +40,13 @@ fn with_files(reply: &str, timeout: &str) -> Option<Study> {
 fn a_program_with_files_gives_the_same_answer() {
     let Some(lines) = Study::new(&model("", RIGHT), "1 min") else { return };
     const RUN: &str =
-        "run --scene study.toml --workers 2 --seed 3 --initial 20 --max-evaluations 20 --out two --quiet";
+        "run study.toml --workers 2 --seed 3 --initial 20 --max-evaluations 20 --out two --quiet";
     lines.done(RUN);
     let Some(study) = with_files("open('results.out', 'w').write(f'{R - S!r} margin\\n')", "1 min") else {
         return;
     };
     study.done("check study.toml");
-    let explained = study.done("explain --scene study.toml");
+    let explained = study.done("explain study.toml");
     assert!(
         explained.contains("runs once per evaluation, in a folder with deck.inp, tables/steel.txt"),
         "{explained}"
@@ -72,9 +72,7 @@ fn a_program_with_files_fails_like_one_with_lines() {
             reply = format!("{fault} if request['id'] == {} else {reply}", 5 + k);
         }
         let Some(study) = with_files(&reply, timeout) else { return };
-        study.done(
-            "run --scene study.toml --workers 2 --seed 3 --initial 20 --max-evaluations 20 --out out --quiet",
-        );
+        study.done("run study.toml --workers 2 --seed 3 --initial 20 --max-evaluations 20 --out out --quiet");
         assert_eq!(study.summary("out")["evaluations"]["failed"], faults.len(), "{timeout}");
         let samples = std::fs::read_to_string(study.file("out").join("samples.csv")).unwrap();
         for (k, (_, cause)) in faults.iter().enumerate() {
@@ -84,11 +82,11 @@ fn a_program_with_files_fails_like_one_with_lines() {
     }
     // What cannot be a results file ends the study, with its name and line; a wrong template before it begins.
     let Some(study) = with_files("open('results.out', 'w').write('margin 3')", "1 min") else { return };
-    let said = study.refused("run --scene study.toml --workers 1 --out out --quiet", 1);
+    let said = study.refused("run study.toml --workers 1 --out out --quiet", 1);
     assert!(said.contains("results.out: line 1: \"margin 3\" does not begin with a number"), "{said}");
     std::fs::write(study.file("deck.inp"), "strength = {r}\n").unwrap();
     let said = study.refused("check study.toml", 2);
     assert!(said.contains("deck.inp: line 1: {r} is not an input; the inputs are R, S"), "{said}");
     std::fs::remove_file(study.file("deck.inp")).unwrap();
-    assert!(study.refused("run --scene study.toml --out out2", 2).contains("deck.inp: "));
+    assert!(study.refused("run study.toml --out out2", 2).contains("deck.inp: "));
 }

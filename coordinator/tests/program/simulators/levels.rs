@@ -36,7 +36,7 @@ fn levels_of_a_program_correct_its_results() {
         explained.contains("levels, from the coarsest to the finest: 4 elements, 8 elements"),
         "{explained}"
     );
-    study.done("run --scene beam.toml --workers 2 --out study --quiet");
+    study.done("run beam.toml --workers 2 --out study --quiet");
     let summary = study.summary("study");
     assert_eq!(summary["levels"]["names"].as_array().unwrap().len(), 3);
     let row = &summary["levels"]["differences"][0];
@@ -57,7 +57,7 @@ fn levels_of_a_program_correct_its_results() {
         );
     }
     // By messages, the same bits.
-    study.done("run --scene beam.toml --workers 2 --listen tcp/127.0.0.1:0 --out farm --quiet");
+    study.done("run beam.toml --workers 2 --listen tcp/127.0.0.1:0 --out farm --quiet");
     assert_eq!(study.summary("farm"), summary);
     // Where levels cannot be, the line says so.
     for (from, to, says) in [

@@ -120,13 +120,13 @@ fn the_example_of_the_document_runs() {
             .done("check beam.toml")
             .contains("valid; 2 outputs, 6 random variables, 2 limit states, 10 checkpoints")
     );
-    let explained = study.done("explain --scene beam.toml");
+    let explained = study.done("explain beam.toml");
     for part in ["program: python3 beam.py", "limit state yielding: failed from 0 MPa down", "corrosion"] {
         assert!(explained.contains(part), "{explained}");
     }
 
     // 4 F L^3 / (E b h^3) and 6 F L / (b h^2) of what is left after five years.
-    let one: Value = serde_json::from_str(&study.done("simulate --scene beam.toml --set load=600N")).unwrap();
+    let one: Value = serde_json::from_str(&study.done("simulate beam.toml --set load=600N")).unwrap();
     let (b, h) = (0.02 - 2e-4, 0.04 - 2e-4);
     let deflection = 1e3 * 4.0 * 600.0 / (206e9 * b * f64::powi(h, 3));
     let reserve = 140.0 - 6e-6 * 600.0 / (b * h * h);
@@ -135,8 +135,8 @@ fn the_example_of_the_document_runs() {
         assert!((found - expected).abs() < 1e-9 * expected, "{key}: {found}, not {expected}");
     }
 
-    study.done("run --scene beam.toml --workers 2 --out study --quiet");
-    study.done("run --scene beam.toml --workers 2 --method monte-carlo --samples 3000 --out direct --quiet");
+    study.done("run beam.toml --workers 2 --out study --quiet");
+    study.done("run beam.toml --workers 2 --method monte-carlo --samples 3000 --out direct --quiet");
     let (learned, direct) = (study.summary("study"), study.summary("direct"));
     assert!(learned["evaluations"]["total"].as_u64().unwrap() <= 60, "{}", learned["evaluations"]);
     for (a, b) in
@@ -158,7 +158,7 @@ fn the_example_of_the_document_runs() {
 #[test]
 fn a_known_failure_probability_is_found_whatever_happens() {
     let Some(study) = Study::new(&model("", RIGHT), "1 min") else { return };
-    let told = study.done("run --scene study.toml --workers 2 --seed 3 --out two --quiet --json");
+    let told = study.done("run study.toml --workers 2 --seed 3 --out two --quiet --json");
     let told: Value = serde_json::from_str(&told).unwrap();
     let row = &told["reliability"][0];
     let (pf, error) =
@@ -177,21 +177,21 @@ fn a_known_failure_probability_is_found_whatever_happens() {
     assert!(text.contains("P_f broken = 0.005"), "{text}");
 
     // Another number of slots, over messages, and with fewer licences than slots.
-    study.done("run --scene study.toml --workers 2 --listen tcp/127.0.0.1:0 --seed 3 --out farm --quiet");
+    study.done("run study.toml --workers 2 --listen tcp/127.0.0.1:0 --seed 3 --out farm --quiet");
     assert_eq!(study.summary("farm"), study.summary("two"));
     let before = std::fs::read_to_string(study.file("started")).unwrap().lines().count();
-    study.done("run --scene study.toml --workers 3 --licences 1 --seed 3 --out licensed --quiet");
+    study.done("run study.toml --workers 3 --licences 1 --seed 3 --out licensed --quiet");
     assert_eq!(study.summary("licensed"), study.summary("two"));
     let after = std::fs::read_to_string(study.file("started")).unwrap().lines().count();
     assert_eq!((after - before, study.alive().len()), (1, 0));
 
     // Another number of slots, and a study that is stopped in the middle of an evaluation.
-    study.done("run --scene study.toml --workers 1 --seed 3 --out one --quiet");
+    study.done("run study.toml --workers 1 --seed 3 --out one --quiet");
     assert_eq!(study.summary("one"), study.summary("two"));
     let slow = format!("time.sleep(600) if id == 14 and not os.path.exists('again') else {RIGHT}");
     std::fs::write(study.file("model.py"), model("", &slow)).unwrap();
     let mut child = study
-        .command("run --scene study.toml --workers 2 --seed 3 --out stopped --quiet")
+        .command("run study.toml --workers 2 --seed 3 --out stopped --quiet")
         .stderr(Stdio::null())
         .spawn()
         .unwrap();
@@ -220,11 +220,8 @@ fn a_second_signal_leaves_no_orphan_either() {
     // Two processes are at work once the nominal point, which is simulated alone, is answered.
     let reply = format!("time.sleep(600) if id > 0 else {RIGHT}");
     let Some(study) = Study::new(&model("", &reply), "1 h") else { return };
-    let mut child = study
-        .command("run --scene study.toml --workers 2 --out out --quiet")
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap();
+    let mut child =
+        study.command("run study.toml --workers 2 --out out --quiet").stderr(Stdio::null()).spawn().unwrap();
     let start = Instant::now();
     while study.alive().len() < 2 {
         assert!(child.try_wait().unwrap().is_none() && start.elapsed() < PATIENCE);
@@ -255,7 +252,7 @@ fn what_is_no_answer_ends_the_study() {
         ("import nothing_of_this_name", RIGHT, &["instead of answering", "ModuleNotFoundError"]),
     ] {
         let Some(study) = Study::new(&model(first, reply), "1 min") else { return };
-        let said = study.refused("run --scene study.toml --workers 1 --out out --quiet", 1);
+        let said = study.refused("run study.toml --workers 1 --out out --quiet", 1);
         for part in ["python3 model.py"].iter().chain(parts) {
             assert!(said.contains(part), "no \"{part}\" in: {said}");
         }
@@ -283,9 +280,7 @@ fn a_sample_without_a_result_is_a_failed_simulation() {
     ] {
         let reply = format!("{reply} if id == 5 else {RIGHT}");
         let Some(study) = Study::new(&model("", &reply), timeout) else { return };
-        study.done(
-            "run --scene study.toml --workers 2 --seed 3 --initial 20 --max-evaluations 20 --out out --quiet",
-        );
+        study.done("run study.toml --workers 2 --seed 3 --initial 20 --max-evaluations 20 --out out --quiet");
         assert_eq!(study.summary("out")["evaluations"]["failed"], 1, "{cause}");
         let samples = std::fs::read_to_string(study.file("out").join("samples.csv")).unwrap();
         let row = samples.lines().find(|line| line.starts_with("5,")).unwrap();
@@ -298,7 +293,7 @@ fn a_sample_without_a_result_is_a_failed_simulation() {
 fn a_program_that_ends_once_is_asked_again() {
     let once = "os.path.exists('fell') or (open('fell', 'w'), sys.exit(1)) if id == 5 else None";
     let Some(study) = Study::new(&model("", &format!("{once}\n    {RIGHT}")), "1 min") else { return };
-    study.done("run --scene study.toml --workers 1 --seed 3 --out out --quiet");
+    study.done("run study.toml --workers 1 --seed 3 --out out --quiet");
     assert_eq!(study.summary("out")["evaluations"]["failed"], 0);
     let started = std::fs::read_to_string(study.file("started")).unwrap();
     assert_eq!(started.lines().count(), 2, "one process, and one after it fell");
@@ -308,8 +303,7 @@ fn a_program_that_ends_once_is_asked_again() {
 #[test]
 fn a_program_that_cannot_be_used_ends_a_study_with_remote_workers_too() {
     let Some(study) = Study::new(&model("", "sys.exit('no license')"), "1 min") else { return };
-    let said =
-        study.refused("run --scene study.toml --workers 1 --listen tcp/127.0.0.1:0 --out out --quiet", 1);
+    let said = study.refused("run study.toml --workers 1 --listen tcp/127.0.0.1:0 --out out --quiet", 1);
     for part in ["evaluation 0 was given up: worker ", "python3 model.py", "instead of answering: no license"]
     {
         assert!(said.contains(part), "no \"{part}\" in: {said}");
@@ -324,16 +318,13 @@ fn a_program_that_cannot_be_used_ends_a_study_with_remote_workers_too() {
 fn what_does_not_fit_is_refused_before_anything_is_done() {
     let Some(study) = Study::new(&model("", RIGHT), "1 min") else { return };
     for (arguments, parts) in [
-        ("run --scene study.toml --accuracy draft", &["--accuracy is not for study.toml"][..]),
-        ("run --scene study.toml --max-error 1%", &["--max-error is not for study.toml"]),
-        ("run --scene study.toml --listen tcp/0.0.0.0:0 --out out", &["clients are not authenticated"]),
-        (
-            "run --scene four-bar --licences 2 --out out",
-            &["--licences: for scenes that name their own simulator"],
-        ),
-        ("simulate --scene study.toml --accuracy draft", &["--accuracy is not for study.toml"]),
-        ("simulate --scene study.toml --set T=3", &["there is no variable \"T\"", "R, S"]),
-        ("tradeoff --scene study.toml --out t", &["study.toml", "this command is for mechanisms"]),
+        ("run study.toml --accuracy draft", &["--accuracy is not for study.toml"][..]),
+        ("run study.toml --max-error 1%", &["--max-error is not for study.toml"]),
+        ("run study.toml --listen tcp/0.0.0.0:0 --out out", &["clients are not authenticated"]),
+        ("run four-bar --licences 2 --out out", &["--licences: for scenes that name their own simulator"]),
+        ("simulate study.toml --accuracy draft", &["--accuracy is not for study.toml"]),
+        ("simulate study.toml --set T=3", &["there is no variable \"T\"", "R, S"]),
+        ("tradeoff study.toml --out t", &["study.toml", "this command is for mechanisms"]),
     ] {
         let said = study.refused(arguments, 2);
         for part in parts {
@@ -342,7 +333,7 @@ fn what_does_not_fit_is_refused_before_anything_is_done() {
     }
     let text = STRENGTH.replace("TIMEOUT", "1 min").replace("python3", "no-such-python");
     std::fs::write(study.file("study.toml"), text).unwrap();
-    let said = study.refused("run --scene study.toml --out out", 2);
+    let said = study.refused("run study.toml --out out", 2);
     assert!(said.contains("simulator.program: \"no-such-python model.py\" cannot be started in"), "{said}");
     assert!(!study.file("out").exists() && study.alive().is_empty());
 }
