@@ -33,9 +33,6 @@ const BLOCKS: u32 = 24;
 const FIRST_CYCLES: u32 = 10;
 const FIRST_PART: f64 = 1.0 / 16.0;
 
-/// Checkpoints of a part of a life, where those of the life are farther apart.
-const CHECKPOINTS: f64 = 12.0;
-
 /// Life that is simulated next over the life at which the last limit is expected to be passed, and the least one over that simulated last.
 const RESERVE: f64 = 1.3;
 const LEAST_GROWTH: f64 = 2.0;
@@ -68,14 +65,15 @@ fn until_failed(
     say: &dyn Fn(String),
 ) -> Result<Evaluation, SimulationFailure> {
     let life = &scene.life;
+    let jump_of = |cycles: f64| accuracy.cycle_jump.max(((block * cycles) as u32).min(LONGEST_BLOCK));
     let simulated = |part: &Life| {
-        let longest = (block * f64::from(part.cycles)) as u32;
-        let accuracy =
-            Accuracy { cycle_jump: accuracy.cycle_jump.max(longest.min(LONGEST_BLOCK)), ..*accuracy };
+        let accuracy = Accuracy { cycle_jump: jump_of(f64::from(part.cycles)), ..*accuracy };
         simulate(&with_life(scene, part), &accuracy, SimulateOptions::WITH_FIRST_CYCLE)
     };
+    // Blocks end at checkpoints: these are no farther apart than a block is long.
     let part_of = |cycles: f64| {
-        let every = life.checkpoint_every.min((cycles / CHECKPOINTS).ceil() as u32);
+        let checkpoints = (cycles / f64::from(BLOCKS)).ceil() as u32;
+        let every = life.checkpoint_every.min(checkpoints).min(jump_of(cycles));
         let cycles = (cycles / f64::from(every)).ceil() * f64::from(every);
         let is_part = cycles < f64::from(life.cycles);
         if is_part { Life { cycles: cycles as u32, checkpoint_every: every, ..*life } } else { *life }
@@ -303,6 +301,14 @@ mod tests {
             matches!(lives[0].reached, Reached::After(life) if (5000.0..7000.0).contains(&life)),
             "{lives:?}"
         );
+        let last = *evaluation.cycles.last().expect("checkpoints");
+        assert!(last <= 126_000, "{last}");
+        assert!(evaluation.diagnostics.simulated_cycles < 200, "{:?}", evaluation.diagnostics);
+        // Checkpoints that lie farther apart than the life, and at a distance that nothing divides.
+        scene.life.cycles = 300_000_007;
+        scene.life.checkpoint_every = 300_000_007;
+        let evaluation =
+            nominal_evaluation(&scene, None, &|_| {}).expect("simulated").expect("by the worker");
         let last = *evaluation.cycles.last().expect("checkpoints");
         assert!(last <= 126_000, "{last}");
         assert!(evaluation.diagnostics.simulated_cycles < 200, "{:?}", evaluation.diagnostics);
