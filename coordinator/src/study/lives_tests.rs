@@ -156,7 +156,7 @@ fn check(distances: &[u32], seeds: u64, settings: impl Fn(&Scene, u64) -> Settin
 #[test]
 fn issue_lives_between_checkpoints_lie_in_their_intervals() {
     // Checkpoints every 1/50, 1/5 and 1/2 of the median life.
-    check(&[20, 200, 500], 60, |scene, seed| Settings {
+    check(&[20, 200, 500], 40, |scene, seed| Settings {
         method: Method::MonteCarlo,
         samples: 700,
         seed,
@@ -166,7 +166,7 @@ fn issue_lives_between_checkpoints_lie_in_their_intervals() {
 
 #[test]
 fn issue_lives_by_surrogates_lie_in_their_intervals() {
-    check(&[100, 500], 8, |scene, seed| Settings {
+    check(&[100, 500], 5, |scene, seed| Settings {
         samples: 2000,
         initial: 8,
         batch: 2,
