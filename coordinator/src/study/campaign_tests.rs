@@ -280,7 +280,7 @@ fn issue_samples_are_not_requested_twice() {
     let inputs = standard_normals(3);
     let simulate = |x: &[f64]| x[0] + 2.0 * x[1] + 0.5 * x[2];
     // A population that grows, and a conditional one, whose chains repeat points.
-    for (threshold, largest) in [(7.0, 100_000), (9.5, 20_000)] {
+    for (threshold, largest) in [(7.0, 30_000), (9.5, 12_000)] {
         let mut requested = std::collections::HashSet::new();
         let mut plan = plan(5_000, 12, 4, 3);
         plan.largest_population = largest;
@@ -309,7 +309,7 @@ fn failures_that_need_two_conditions_beyond_kinks_are_found() {
     };
     let exact = standard_normal_cdf(-beta).powi(2) + standard_normal_cdf(-other);
     let mut plan = plan(20_000, 12, 4, 2);
-    plan.largest_population = 100_000;
+    plan.largest_population = 50_000;
     let learned =
         Campaign::new(static_problem(standard_normals(3), 1.0), plan).learn_from(simulate, |_| {}).unwrap();
     let ClassifiedPopulation { condition, population, .. } = &learned.classified;

@@ -174,7 +174,7 @@ impl Evaluator for MadeUp {
 /// A small study for the properties that don't need a large one.
 fn small() -> Settings {
     Settings {
-        samples: 4000,
+        samples: 2000,
         initial: 40,
         batch: 8,
         max_evaluations: 64,
