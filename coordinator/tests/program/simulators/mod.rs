@@ -255,7 +255,8 @@ fn what_is_no_answer_ends_the_study() {
         ("import nothing_of_this_name", RIGHT, &["instead of answering", "ModuleNotFoundError"]),
     ] {
         let Some(study) = Study::new(&model(first, reply), "1 min") else { return };
-        let said = study.refused("run --scene study.toml --workers 1 --out out --quiet", 1);
+        let run = "run --scene study.toml --workers 1 --samples 4000 --max-evaluations 12 --out out --quiet";
+        let said = study.refused(run, 1);
         for part in ["python3 model.py"].iter().chain(parts) {
             assert!(said.contains(part), "no \"{part}\" in: {said}");
         }
@@ -284,7 +285,7 @@ fn a_sample_without_a_result_is_a_failed_simulation() {
         let reply = format!("{reply} if id == 5 else {RIGHT}");
         let Some(study) = Study::new(&model("", &reply), timeout) else { return };
         study.done(
-            "run --scene study.toml --workers 2 --seed 3 --initial 20 --max-evaluations 20 --out out --quiet",
+            "run --scene study.toml --workers 2 --seed 3 --samples 4000 --initial 20 --max-evaluations 20 --out out --quiet",
         );
         assert_eq!(study.summary("out")["evaluations"]["failed"], 1, "{cause}");
         let samples = std::fs::read_to_string(study.file("out").join("samples.csv")).unwrap();
@@ -309,7 +310,7 @@ fn a_program_that_ends_once_is_asked_again() {
 fn a_program_that_cannot_be_used_ends_a_study_with_remote_workers_too() {
     let Some(study) = Study::new(&model("", "sys.exit('no license')"), "1 min") else { return };
     let said =
-        study.refused("run --scene study.toml --workers 1 --listen tcp/127.0.0.1:0 --out out --quiet", 1);
+        study.refused("run --scene study.toml --workers 1 --listen tcp/127.0.0.1:0 --samples 4000 --max-evaluations 12 --out out --quiet", 1);
     for part in ["evaluation 0 was given up: worker ", "python3 model.py", "instead of answering: no license"]
     {
         assert!(said.contains(part), "no \"{part}\" in: {said}");
