@@ -137,7 +137,7 @@ impl Evaluator for MadeUp {
                 }
                 Demand::End if open.is_empty() => return Ok(()),
                 Demand::Later if open.is_empty() => {
-                    std::thread::yield_now();
+                    std::thread::sleep(std::time::Duration::from_micros(50));
                     continue;
                 }
                 Demand::End | Demand::Later => {}

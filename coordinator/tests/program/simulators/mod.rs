@@ -204,7 +204,7 @@ fn a_known_failure_probability_is_found_whatever_happens() {
     let start = Instant::now();
     while recorded().unwrap_or(0) < 15 {
         assert!(child.try_wait().unwrap().is_none() && start.elapsed() < PATIENCE);
-        std::thread::yield_now();
+        std::thread::sleep(Duration::from_millis(2));
     }
     assert_eq!(study.alive().len(), 2);
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
@@ -228,7 +228,7 @@ fn a_second_signal_leaves_no_orphan_either() {
     let start = Instant::now();
     while study.alive().len() < 2 {
         assert!(child.try_wait().unwrap().is_none() && start.elapsed() < PATIENCE);
-        std::thread::yield_now();
+        std::thread::sleep(Duration::from_millis(2));
     }
     for _ in 0..2 {
         assert!(Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap().success());
@@ -236,7 +236,7 @@ fn a_second_signal_leaves_no_orphan_either() {
     assert_eq!(child.wait().unwrap().code(), Some(130));
     while !study.alive().is_empty() {
         assert!(start.elapsed() < PATIENCE, "orphans: {:?}", study.alive());
-        std::thread::yield_now();
+        std::thread::sleep(Duration::from_millis(2));
     }
 }
 
