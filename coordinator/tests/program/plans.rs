@@ -66,7 +66,8 @@ fn a_study_with_variants_is_a_prior_and_is_compared_with_lives() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let (study, file, out) = (at("study"), at("fleet.csv"), at("weibull"));
-    let run = "run --scene four-bar --accuracy draft --levels draft --samples 4000 --initial 16 --max-evaluations 24 --quiet";
+    let run =
+        "run --scene four-bar --accuracy draft --samples 4000 --initial 16 --max-evaluations 24 --quiet";
     let run: Vec<&str> = run.split(' ').collect();
     let variants = "[[variants]]\nname = \"film\"\nset = { \"parameters.film_damping\" = \"130 N s/m\" }\n\
         [[variants]]\nname = \"same\"\nset = { \"scene.title\" = \"another title\" }\n";

@@ -29,7 +29,7 @@ fn a_study_answers_for_units_and_replacement() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let (study, units, out) = (at("study"), at("units.csv"), at("fleet"));
-    let run = "run --scene four-bar --accuracy draft --levels draft --samples 4000 --initial 16 --max-evaluations 24 --quiet --out";
+    let run = "run --scene four-bar --accuracy draft --samples 4000 --initial 16 --max-evaluations 24 --quiet --out";
     assert!(coordinator(&run.split(' ').chain([study.as_str()]).collect::<Vec<_>>()).status.success());
 
     let missing = refused(&["update", &study, "--measured", &at("no.csv")]);
