@@ -68,8 +68,6 @@ fn a_study_goes_on_without_the_files() {
         scene.to_str().unwrap(),
         "--accuracy",
         "draft",
-        "--samples",
-        "4000",
         "--initial",
         "12",
         "-q",
