@@ -222,7 +222,7 @@ fn page_and_status_describe_a_running_study() {
         let (mut study, [endpoint, live]) = visible_study(folder.path(), 12, &[]);
         let session = ClientSession::open(&endpoint, None).unwrap();
         while session.status(PATIENCE).unwrap().phase != Phase::Waiting {
-            std::thread::yield_now();
+            std::thread::sleep(std::time::Duration::from_millis(2));
         }
         let (code, json, error) = command(&["status", &endpoint, "--json"]);
         assert_eq!(code, Some(0), "{error}");

@@ -300,7 +300,7 @@ fn config(cases: u32) -> ProptestConfig {
 }
 
 proptest! {
-    #![proptest_config(config(300))]
+    #![proptest_config(config(180))]
 
     #[test]
     fn spoilt_scenes_are_refused_or_survive(which in any::<usize>(), spoils in prop::collection::vec(spoil(), 1..4)) {
@@ -313,7 +313,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(config(60))]
+    #![proptest_config(config(40))]
 
     #[test]
     fn small_random_scenes_survive(text in small_scene()) {

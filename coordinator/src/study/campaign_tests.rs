@@ -71,6 +71,11 @@ pub(super) fn learn_by(
     Campaign::new(problem, plan).learn_from(simulate, |_| {})
 }
 
+/// The guards alone: a population that does not grow serves them as well.
+fn guards() -> StoppingTargets {
+    StoppingTargets { cov: f64::INFINITY, ..StoppingTargets::default() }
+}
+
 /// Share of the population that fails in truth, and as classified.
 fn shares(learned: &CampaignResult) -> (f64, f64) {
     let n = learned.classified.population.len();
@@ -82,34 +87,26 @@ fn shares(learned: &CampaignResult) -> (f64, f64) {
 fn four_branch_within_three_standard_errors_and_110_calls() {
     let problems = models::published_problems();
     let published = problems.iter().find(|problem| problem.name == "four-branch-7").unwrap().pf;
-    for seed in [1, 2] {
-        let learned = learn(200_000, 12, seed);
-        let (truth, found) = shares(&learned);
-        let n = learned.classified.population.len() as f64;
-        let standard_error = (truth * (1.0 - truth) / n).sqrt();
-        eprintln!(
-            "seed {seed}: N {n}, {} calls, {:?}, truth {truth:.4e}, found {found:.4e}",
-            learned.evaluations, learned.stop
-        );
-        assert!((found - truth).abs() < 3.0 * standard_error, "seed {seed}: {found} {truth}");
-        // The exact value by quadrature, over the population's own scatter.
-        assert!((found - published).abs() < 4.0 * standard_error, "seed {seed}: {found}");
-        assert!(learned.evaluations <= 110, "seed {seed}: {} calls", learned.evaluations);
-        assert!(standard_error / truth < 0.05);
-    }
+    let learned = learn(200_000, 12, 1);
+    let (truth, found) = shares(&learned);
+    let n = learned.classified.population.len() as f64;
+    let standard_error = (truth * (1.0 - truth) / n).sqrt();
+    eprintln!(
+        "N {n}, {} calls, {:?}, truth {truth:.4e}, found {found:.4e}",
+        learned.evaluations, learned.stop
+    );
+    assert!((found - truth).abs() < 3.0 * standard_error, "{found} {truth}");
+    // The exact value by quadrature, over the population's own scatter.
+    assert!((found - published).abs() < 4.0 * standard_error, "{found}");
+    assert!(learned.evaluations <= 110, "{} calls", learned.evaluations);
+    assert!(standard_error / truth < 0.05);
 }
 
 #[test]
 fn issue_false_stop_with_twelve_starting_points() {
     // A surrogate with very long lengths predicts too small variances: U >= 2 everywhere and hardly a failure
     // predicted. Seed 6 is such a case: without the guards it ends after one round, having found next to nothing.
-    let unguarded = StoppingTargets {
-        least_points: 0,
-        hold: 1,
-        hold_points: 0,
-        cov: f64::INFINITY,
-        ..StoppingTargets::default()
-    };
+    let unguarded = StoppingTargets { least_points: 0, hold: 1, hold_points: 0, ..guards() };
     let trapped = learn_until(20_000, 12, 6, unguarded);
     let (truth, found) = shares(&trapped);
     assert!(
@@ -117,7 +114,7 @@ fn issue_false_stop_with_twelve_starting_points() {
         "the trap of this test is gone: {found} {truth}"
     );
     for seed in [6, 24, 25, 26, 27] {
-        let learned = learn(20_000, 12, seed);
+        let learned = learn_until(20_000, 12, seed, guards());
         let (truth, found) = shares(&learned);
         assert!(learned.evaluations >= 30, "seed {seed}");
         assert!((found / truth - 1.0).abs() < 0.1, "seed {seed}: {found} {truth}");
@@ -128,26 +125,27 @@ fn issue_false_stop_with_twelve_starting_points() {
 fn issue_false_stop_with_a_branch_missing() {
     // No result near the mean shows the two branches beyond the kink: a rule that need not hold, without
     // exploring points, stops with more than a tenth of the failures missing.
-    let unguarded = StoppingTargets { hold: 1, hold_points: 0, ..StoppingTargets::default() };
+    let unguarded = StoppingTargets { hold: 1, hold_points: 0, ..guards() };
     let (truth, found) = shares(&learn_until(100_000, 12, 4, unguarded));
     assert!(found / truth < 0.9, "the trap of this test is gone: {found} {truth}");
-    for seed in [4, 5, 6] {
-        let (truth, found) = shares(&learn(100_000, 12, seed));
+    for seed in [4, 5] {
+        let (truth, found) = shares(&learn_until(100_000, 12, seed, guards()));
         assert!((found / truth - 1.0).abs() < 0.02, "seed {seed}: {found} {truth}");
     }
 }
 
 #[test]
 fn the_population_grows_until_the_coefficient_of_variation_is_met() {
-    let learned = learn(20_000, 30, 5);
+    let targets = StoppingTargets { cov: 0.1, ..StoppingTargets::default() };
+    let learned = learn_until(5_000, 30, 5, targets);
     let last = learned.rounds.last().unwrap();
     assert!(
-        learned.classified.population.len() > 150_000 && last.cov_pf < 0.05,
+        learned.classified.population.len() > 37_000 && last.cov_pf < 0.1,
         "{} {}",
         learned.classified.population.len(),
         last.cov_pf
     );
-    assert!(learned.rounds[0].cov_pf > 0.1);
+    assert!(learned.rounds[0].cov_pf > 0.2);
 }
 
 #[test]
@@ -163,7 +161,7 @@ fn a_rare_event_is_found_through_conditional_populations() {
         };
         (0..=n).map(at).sum::<f64>() * h
     };
-    for seed in [1, 2, 3] {
+    for seed in [1, 2] {
         let learned = learn_of(output, (20_000, 50_000), 12, seed, StoppingTargets::default());
         let ClassifiedPopulation { condition, population, .. } = &learned.classified;
         let failed = learned.assessment.governing_failed();
@@ -192,7 +190,7 @@ fn correlated_lognormals_beside_a_constant_have_their_closed_form() {
     let threshold = 3.0 * (-zeta2 + beta * (2.0 * zeta2 * (1.0 + rho)).sqrt()).exp();
     let product = |x: &[f64]| x.iter().product();
     let learned =
-        learn_from(inputs, product, (threshold, (100_000, 100_000)), 12, 4, StoppingTargets::default());
+        learn_from(inputs, product, (threshold, (50_000, 50_000)), 12, 4, StoppingTargets::default());
     let (found, exact) = (learned.assessment.curves[0][0], standard_normal_cdf(-beta));
     let standard_error = (exact * (1.0 - exact) / learned.classified.population.len() as f64).sqrt();
     assert!((found - exact).abs() < 4.0 * standard_error, "{found} {exact}");
@@ -224,7 +222,7 @@ fn issue_a_corner_without_results_does_not_end_a_study_of_batch_one() {
         Ok(Observed::exact(vec![vec![x[0] + 0.5 * x[1]]]))
     };
     let (beta, scale) = (2.0, 1.25_f64.sqrt());
-    for (batch, seed) in [(1, 1), (1, 2), (2, 1), (2, 2)] {
+    for (batch, seed) in [(1, 1), (2, 2)] {
         let problem = static_problem(standard_normals(2), beta * scale);
         let learned = Campaign::new(problem, plan(20_000, 12, batch, seed)).learn_from(simulate, |_| {});
         let learned = learned.unwrap_or_else(|error| panic!("batch {batch}, seed {seed}: {error}"));
@@ -282,7 +280,7 @@ fn issue_samples_are_not_requested_twice() {
     let inputs = standard_normals(3);
     let simulate = |x: &[f64]| x[0] + 2.0 * x[1] + 0.5 * x[2];
     // A population that grows, and a conditional one, whose chains repeat points.
-    for (threshold, largest) in [(7.0, 100_000), (9.5, 20_000)] {
+    for (threshold, largest) in [(7.0, 30_000), (9.5, 12_000)] {
         let mut requested = std::collections::HashSet::new();
         let mut plan = plan(5_000, 12, 4, 3);
         plan.largest_population = largest;
@@ -311,7 +309,7 @@ fn failures_that_need_two_conditions_beyond_kinks_are_found() {
     };
     let exact = standard_normal_cdf(-beta).powi(2) + standard_normal_cdf(-other);
     let mut plan = plan(20_000, 12, 4, 2);
-    plan.largest_population = 100_000;
+    plan.largest_population = 50_000;
     let learned =
         Campaign::new(static_problem(standard_normals(3), 1.0), plan).learn_from(simulate, |_| {}).unwrap();
     let ClassifiedPopulation { condition, population, .. } = &learned.classified;
@@ -343,7 +341,7 @@ fn a_budget_that_ends_a_conditional_study_draws_its_population_once_more() {
 #[test]
 fn direct_simulation_agrees_with_the_references() {
     for problem in models::published_problems() {
-        let n = if problem.variables.len() > 10 { 100_000 } else { 400_000 };
+        let n = if problem.variables.len() > 10 { 50_000 } else { 200_000 };
         let population = Population::draw(&problem.variables, n, 11);
         let fails = |j: &usize| {
             let outputs = (problem.evaluate)(&population.physical(*j));

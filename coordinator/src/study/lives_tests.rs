@@ -68,7 +68,7 @@ impl Evaluator for Growth<'_> {
             match source.next()? {
                 Demand::Begin(requests) => open.extend(requests),
                 Demand::End if open.is_empty() => return Ok(()),
-                Demand::Later if open.is_empty() => std::thread::yield_now(),
+                Demand::Later if open.is_empty() => std::thread::sleep(std::time::Duration::from_micros(50)),
                 Demand::End | Demand::Later => {}
             }
             let Some(request) = open.pop_front() else { continue };
@@ -156,7 +156,7 @@ fn check(distances: &[u32], seeds: u64, settings: impl Fn(&Scene, u64) -> Settin
 #[test]
 fn issue_lives_between_checkpoints_lie_in_their_intervals() {
     // Checkpoints every 1/50, 1/5 and 1/2 of the median life.
-    check(&[20, 200, 500], 60, |scene, seed| Settings {
+    check(&[20, 200, 500], 40, |scene, seed| Settings {
         method: Method::MonteCarlo,
         samples: 700,
         seed,
@@ -166,7 +166,7 @@ fn issue_lives_between_checkpoints_lie_in_their_intervals() {
 
 #[test]
 fn issue_lives_by_surrogates_lie_in_their_intervals() {
-    check(&[100, 500], 8, |scene, seed| Settings {
+    check(&[100, 500], 5, |scene, seed| Settings {
         samples: 2000,
         initial: 8,
         batch: 2,

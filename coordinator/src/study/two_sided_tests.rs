@@ -50,7 +50,7 @@ impl Evaluator for Formula {
             match source.next()? {
                 Demand::Begin(requests) => open.extend(requests),
                 Demand::End if open.is_empty() => return Ok(()),
-                Demand::Later if open.is_empty() => std::thread::yield_now(),
+                Demand::Later if open.is_empty() => std::thread::sleep(std::time::Duration::from_micros(50)),
                 Demand::End | Demand::Later => {}
             }
             let Some(request) = open.pop_front() else { continue };

@@ -310,6 +310,8 @@ fn a_summary_is_described_completely() {
         "four-bar",
         "--accuracy",
         "draft",
+        "--samples",
+        "4000",
         "--initial",
         "12",
         "--max-evaluations",

@@ -48,7 +48,7 @@ fn interrupted(arguments: &[&str], dir: &str, evaluations: i64, signal: &str) ->
     while recorded().unwrap_or(0) < evaluations {
         assert!(child.try_wait().unwrap().is_none(), "the study ended before it could be interrupted");
         assert!(start.elapsed() < PATIENCE);
-        std::thread::yield_now();
+        std::thread::sleep(Duration::from_millis(2));
     }
     let killed = Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
     assert!(killed.success());

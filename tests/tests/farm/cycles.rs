@@ -41,7 +41,7 @@ fn a_worker_and_a_coordinator_that_are_killed_repeat_no_cycle_but_the_one_under_
     within(MINUTES, || {
         let folder = tempfile::tempdir().unwrap();
         let scene = scene(folder.path()).display().to_string();
-        let study = ["--method", "monte-carlo", "--samples", "8"];
+        let study = ["--method", "monte-carlo", "--samples", "4"];
         let [whole, killed] = ["whole", "killed"].map(|name| folder.path().join(name));
         let [out, again] = [&whole, &killed].map(|folder| folder.display().to_string());
         let options = ["run", &scene, "--workers", "1", "--out", &out];
@@ -70,10 +70,10 @@ fn a_worker_and_a_coordinator_that_are_killed_repeat_no_cycle_but_the_one_under_
         let options = ["run", &scene, "--out", &again];
         let mut running = coordinator(&[&options[..], &study, &farm].concat());
         let mut first = worker();
-        wait_for(7, &mut running);
+        wait_for(undisturbed.len() / 5, &mut running);
         first.kill();
         let _second = worker();
-        wait_for(23, &mut running);
+        wait_for(undisturbed.len() * 3 / 5, &mut running);
         running.kill();
         let options = ["resume", &again];
         assert!(coordinator(&[&options[..], &farm].concat()).end(MINUTES).success());

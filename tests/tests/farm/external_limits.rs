@@ -175,7 +175,7 @@ fn a_worker_whose_run_time_ends_returns_its_evaluations_and_ends_its_programs() 
             &coordinator.endpoints()[0],
             "short",
             &study.file("all", "60 s"),
-            &["--walltime", "8"],
+            &["--walltime", "5"],
         );
         let (outcomes, workers) = std::thread::scope(|scope| {
             let endpoint = coordinator.endpoints()[0].clone();

@@ -13,7 +13,7 @@ use zenoh::{Config, Wait};
 /// Time limit of each test; only a defect takes longer.
 const LONGEST: Duration = Duration::from_secs(120);
 /// Time of the random changes.
-const TIME: Duration = Duration::from_secs(12);
+const TIME: Duration = Duration::from_secs(6);
 
 /// The byte changed in a key that a client declares.
 fn forbidden_key() -> Box<tests::mutated_frames::Mutate> {
@@ -44,7 +44,7 @@ fn changed_frames_end_or_leave_a_coordinator_that_answers() {
         let folder = tempfile::tempdir().unwrap();
         let mut attack = Attack::start(folder.path(), None);
         let figures = attack.run(u64::MAX / 2, Instant::now() + TIME, random_changes(1));
-        assert!(figures.changed > 100, "{figures:?}");
+        assert!(figures.changed > 50, "{figures:?}");
         println!("{figures:?}");
     });
 }
@@ -60,7 +60,7 @@ fn changed_frames_through_tls_end_or_leave_a_coordinator_that_answers() {
         let tls = Some((configuration("zenoh-tls.json5", &own), own));
         let mut attack = Attack::start(folder.path(), tls);
         let figures = attack.run(u64::MAX / 2, Instant::now() + TIME, random_changes(2));
-        assert!(figures.changed > 50, "{figures:?}");
+        assert!(figures.changed > 25, "{figures:?}");
         println!("{figures:?}");
     });
 }

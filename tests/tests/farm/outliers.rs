@@ -53,7 +53,7 @@ fn coordinator(arguments: &[&str], out: &Path) -> (Value, String) {
 fn study(file: &Path, out: &Path, workers: &str) -> (Value, String) {
     let (file, folder) = (file.to_str().unwrap(), out.to_str().unwrap());
     let run = ["run", file, "--workers", workers, "--initial", "60", "--max-evaluations", "80"];
-    coordinator(&[&run[..], &["--seed", "3", "--out", folder]].concat(), out)
+    coordinator(&[&run[..], &["--seed", "3", "--samples", "20000", "--out", folder]].concat(), out)
 }
 
 fn used(summary: &Value) -> Vec<bool> {
@@ -82,7 +82,7 @@ fn issue_one_value_of_sixty_a_hundred_times_too_large_is_left_out() {
         assert!(report.contains("interquartile ranges from the median of all; left out: evaluation"));
         // Resumed, the study still leaves it out, and evaluates nothing of it again.
         let folder = out.to_str().unwrap();
-        let (again, _) = coordinator(&["resume", folder, "--workers", "1", "--samples", "200000"], &out);
+        let (again, _) = coordinator(&["resume", folder, "--workers", "1", "--samples", "40000"], &out);
         assert_eq!(again["outliers"], summary["outliers"]);
     });
 }

@@ -30,7 +30,7 @@ fn issue_a_process_lived_on_after_a_panic_of_its_messaging() {
             if status.is_some() || start.elapsed() > PATIENCE {
                 break status;
             }
-            std::thread::yield_now();
+            std::thread::sleep(Duration::from_millis(2));
         };
         let said = std::fs::read_to_string(&log).unwrap();
         if said.contains("panicked at") {

@@ -29,21 +29,26 @@ fn start_coordinator(
     (coordinator, endpoint)
 }
 
-/// Starts workers that are refused; checks the messages of the workers and of the coordinator.
-fn refused(coordinator: &(LoggedProcess, String), cases: &[(&Path, &str, &str, &str)]) {
-    let (listening, endpoint) = coordinator;
-    let workers: Vec<LoggedProcess> = cases
-        .iter()
-        .map(|(config, protocol, ..)| {
+/// A configuration, the protocol of the endpoint, and what worker and coordinator say of it.
+type Case<'a> = (&'a Path, &'a str, &'a str, &'a str);
+
+/// Starts workers that are refused, all at once; checks the messages of the workers and of their coordinators.
+fn refused(groups: &[(&(LoggedProcess, String), &[Case<'_>])]) {
+    let all =
+        || groups.iter().flat_map(|(coordinator, cases)| cases.iter().map(move |case| (*coordinator, case)));
+    let workers: Vec<LoggedProcess> = all()
+        .map(|((_, endpoint), (config, protocol, ..))| {
             let endpoint =
                 format!("{protocol}{}", endpoint.trim_start_matches("tls").trim_start_matches("tcp"));
             let config = config.to_str().unwrap();
             let arguments =
-                ["--connect", &endpoint, "--slots", "1", "--give-up-after", "2", "--config", config];
+                ["--connect", &endpoint, "--slots", "1", "--give-up-after", "3", "--config", config];
             LoggedProcess::start("worker", &arguments)
         })
         .collect();
-    for (mut worker, (_, _, worker_says, coordinator_says)) in workers.into_iter().zip(cases) {
+    for (mut worker, ((listening, _), (_, _, worker_says, coordinator_says))) in
+        workers.into_iter().zip(all())
+    {
         let end = worker.wait_for("worker: no coordinator answered at ");
         assert!(end.contains(worker_says), "no \"{worker_says}\" in: {end}");
         assert_eq!(worker.end(), Some(1));
@@ -81,64 +86,53 @@ fn refusals_are_explained_on_both_sides() {
         let denying = start_coordinator(path, "denying", "tls/127.0.0.1:0", Some(&denying));
         let open = start_coordinator(path, "open", "tcp/127.0.0.1:0", None);
 
-        refused(
-            &mutual,
-            &[
-                (
-                    &tls(&theirs),
-                    "tls",
-                    "signed by another authority than root_ca_certificate",
-                    "the client does not accept this coordinator's certificate: it was signed",
-                ),
-                (
-                    &tls(&mixed),
-                    "tls",
-                    "does not accept our certificate",
-                    "the client certificate was signed by another authority",
-                ),
-                (
-                    &no_certificate,
-                    "tls",
-                    "requires a client certificate, and --config names none",
-                    "no client certificate given",
-                ),
-                (&plain, "tcp", "does the coordinator listen with tls/", "the client does not use TLS"),
-            ],
-        );
-        refused(
-            &named,
-            &[(
-                &tls(&own),
-                "tls",
-                "certificate is for another name",
-                "it does not list the name used to connect",
-            )],
-        );
         let nobody = path.join("nobody");
         std::fs::create_dir_all(&nobody).unwrap();
         std::fs::copy(users.join("ca.pem"), nobody.join("ca.pem")).unwrap();
         let no_user = [("user: \"worker\",", ""), ("password: \"change-me\",", "")];
         let no_user = changed_configuration("zenoh-password-worker.json5", &nobody, &no_user);
         let says = "refuses our user and password";
-        refused(
-            &password,
-            &[
-                (&user(&users, "worker", "guess"), "tls", says, "wrong password"),
-                (&user(&users, "guest", "guess"), "tls", says, "the user is not in the dictionary"),
-                (&no_user, "tls", says, "no user and password given"),
-            ],
-        );
-        // The certificate is accepted, but access_control drops every message: both sides report it.
-        refused(
-            &denying,
-            &[(
-                &tls(&visitor),
+        let [ours, others, mixed, visitor] = [&own, &theirs, &mixed, &visitor].map(|own| tls(own));
+        let [guess, guest] = [("worker", "guess"), ("guest", "guess")].map(|(n, p)| user(&users, n, p));
+        let of_mutual: [Case<'_>; 4] = [
+            (
+                &others,
                 "tls",
-                "access_control does not permit the query",
-                "connected without access",
-            )],
-        );
-        refused(&open, &[(&tls(&own), "tls", "tls/ where the coordinator listens with tcp/", "")]);
+                "signed by another authority than root_ca_certificate",
+                "the client does not accept this coordinator's certificate: it was signed",
+            ),
+            (
+                &mixed,
+                "tls",
+                "does not accept our certificate",
+                "the client certificate was signed by another authority",
+            ),
+            (
+                &no_certificate,
+                "tls",
+                "requires a client certificate, and --config names none",
+                "no client certificate given",
+            ),
+            (&plain, "tcp", "does the coordinator listen with tls/", "the client does not use TLS"),
+        ];
+        let of_named: [Case<'_>; 1] =
+            [(&ours, "tls", "certificate is for another name", "it does not list the name used to connect")];
+        let of_password: [Case<'_>; 3] = [
+            (&guess, "tls", says, "wrong password"),
+            (&guest, "tls", says, "the user is not in the dictionary"),
+            (&no_user, "tls", says, "no user and password given"),
+        ];
+        // The certificate is accepted, but access_control drops every message: both sides report it.
+        let of_denying: [Case<'_>; 1] =
+            [(&visitor, "tls", "access_control does not permit the query", "connected without access")];
+        let of_open: [Case<'_>; 1] = [(&ours, "tls", "tls/ where the coordinator listens with tcp/", "")];
+        refused(&[
+            (&mutual, &of_mutual),
+            (&named, &of_named),
+            (&password, &of_password),
+            (&denying, &of_denying),
+            (&open, &of_open),
+        ]);
     });
 }
 
@@ -161,13 +155,13 @@ fn a_full_coordinator_says_how_many_sessions_it_accepts() {
             }
             std::thread::sleep(Duration::from_millis(50));
         };
-        let case = (
+        let case: Case<'_> = (
             plain.as_path(),
             "tcp",
             "it has as many sessions as it accepts (a coordinator 4000, unless its log names another number)",
             "there are 1 sessions, as many as are accepted",
         );
-        refused(&listening, &[case]);
+        refused(&[(&listening, &[case])]);
         let replies = connected.get(keys::STATUS).timeout(PATIENCE).wait().unwrap();
         assert!(replies.recv().unwrap().result().is_ok());
     });

@@ -10,7 +10,7 @@ fn jobs_are_asked_for_a_rejected_one_again_and_the_study_has_the_bits_of_a_local
     within(Duration::from_secs(90), || {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
-        std::fs::write(path("scene.toml"), small_scene(24)).unwrap();
+        std::fs::write(path("scene.toml"), small_scene(16)).unwrap();
         let run = |out: &str, options: &[&str]| {
             let (scene, out) = (path("scene.toml"), path(out));
             let study = ["run", &scene, "--accuracy", "draft", "--out", &out, "-v"];

@@ -39,7 +39,16 @@ static CASES: LazyLock<Vec<Case>> = LazyLock::new(|| {
         let result = run(&scene);
         Case { name, scene, result }
     };
-    cases.map(shortened).collect()
+    let mut first: Vec<(String, Scene)> = cases.collect();
+    let second = first.split_off(first.len() / 2);
+    let run_all = |part: Vec<(String, Scene)>| part.into_iter().map(shortened).collect::<Vec<Case>>();
+    // All tests here wait for these: on two processors.
+    std::thread::scope(|scope| {
+        let beside = scope.spawn(|| run_all(second));
+        let mut all = run_all(first);
+        all.extend(beside.join().expect("every scene is simulated"));
+        all
+    })
 });
 
 /// Five more, of other laws and joints.
@@ -105,7 +114,7 @@ fn check(case: &Case, what: &str, change: &Transform, changed: &Scene, rounding:
 #[test]
 fn issue_results_depended_on_the_place_of_the_mechanism() {
     for case in CASES.iter() {
-        for by in [[1.0, -7.0], [30.0, 0.0], [1000.0, 0.0]] {
+        for by in [[30.0, -7.0], [1000.0, 0.0]] {
             check(case, &format!("moved by {by:?} m"), &Transform::NONE, &case.scene.moved(by), 1e-6);
         }
     }

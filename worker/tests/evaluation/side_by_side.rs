@@ -106,21 +106,26 @@ fn mixed() -> Vec<SimulationInput> {
 #[test]
 fn an_evaluation_depends_neither_on_those_next_to_it_nor_on_the_width_of_the_lanes() {
     let inputs = mixed();
-    let alone: Vec<Outcome> = inputs.iter().map(|o| simulate(&o.scene, &o.accuracy, o.options)).collect();
+    let asked: Vec<_> = inputs.iter().cloned().map(Ok).collect();
+    // On two processors.
+    let (alone, beside): (Vec<Outcome>, _) = std::thread::scope(|scope| {
+        let beside = scope.spawn(|| together(LaneWidth::Widest, 8, &asked));
+        let alone = inputs.iter().map(|o| simulate(&o.scene, &o.accuracy, o.options)).collect();
+        (alone, beside.join().expect("all come to their end"))
+    });
     assert!(matches!(alone[4], Err(SimulationFailure::TooManySteps { .. })), "{:?}", alone[4]);
     assert_eq!(alone.iter().filter(|outcome| outcome.is_ok()).count(), 22);
-    let mut inputs: Vec<_> = inputs.into_iter().map(Ok).collect();
-    assert_eq!(together(LaneWidth::Widest, 8, &inputs), alone);
+    assert_eq!(beside, alone);
     // In lanes of another width, in another order and next to other evaluations.
-    let mut backwards = alone;
-    inputs.reverse();
-    backwards.reverse();
-    for (width, most, first) in [(LaneWidth::Holding(4), 3, 0), (LaneWidth::Holding(1), 2, 1)] {
-        let every_second =
-            |outcomes: &[Outcome]| outcomes.iter().skip(first).step_by(2).cloned().collect::<Vec<_>>();
-        let inputs: Vec<_> = inputs.iter().skip(first).step_by(2).cloned().collect();
-        assert_eq!(together(width, most, &inputs), every_second(&backwards));
-    }
+    let every_second = |width: LaneWidth, most: usize, first: usize| {
+        let inputs: Vec<_> = asked.iter().rev().skip(first).step_by(2).cloned().collect();
+        let expected: Vec<Outcome> = alone.iter().rev().skip(first).step_by(2).cloned().collect();
+        assert!(together(width, most, &inputs) == expected, "at most {most}");
+    };
+    std::thread::scope(|scope| {
+        scope.spawn(|| every_second(LaneWidth::Holding(4), 3, 0));
+        every_second(LaneWidth::Holding(1), 2, 1);
+    });
 }
 
 #[test]

@@ -103,7 +103,7 @@ fn a_design_at_the_limit_of_the_scene_is_not_answered_with_that_of_another() {
     let scene = augmented.nominal();
     let cycles = scene.life.checkpoints();
     let settings =
-        Settings { samples: 20_000, initial: 12, max_evaluations: 30, seed: 5, ..Settings::from(scene) };
+        Settings { samples: 10_000, initial: 12, max_evaluations: 30, seed: 5, ..Settings::from(scene) };
     let (mut journal, mut outcomes) = (InMemoryJournal::default(), vec![]);
     let evaluate =
         |request: &Request| Ok(Evaluation::from_histories(cycles.clone(), histories(&request.sample)));
@@ -131,7 +131,7 @@ fn one_study_answers_for_every_design_and_finds_the_best() {
     let scene = augmented.nominal();
     let cycles = scene.life.checkpoints();
     let settings =
-        Settings { samples: 20_000, initial: 12, max_evaluations: 30, seed: 5, ..Settings::from(scene) };
+        Settings { samples: 10_000, initial: 12, max_evaluations: 30, seed: 5, ..Settings::from(scene) };
     let evaluate =
         |request: &Request| Ok(Evaluation::from_histories(cycles.clone(), histories(&request.sample)));
     let mut journal = InMemoryJournal::default();

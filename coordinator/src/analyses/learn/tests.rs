@@ -84,7 +84,7 @@ fn learned(
 }
 
 /// Sets of parameters of the closed forms: with 6000 all means agree within 1 %.
-const SETS: usize = 800;
+const SETS: usize = 500;
 
 /// True if a posterior mean and standard deviation are exact within three of their standard errors by the effective number of
 /// sets, and half a per cent for the points.
@@ -226,7 +226,7 @@ fn competing_modes_and_intervals_teach_the_rate_and_rank_further_data() {
     assert!(report.values.windows(2).all(|pair| pair[0].narrowing >= pair[1].narrowing));
     // With prices the narrowing for them counts; what has none comes last.
     let priced = format!("{text}price,,failed,1000\nprice,,wear,2\n");
-    let priced = learned(study(WEAR, wear), &priced, |s| s.ranks = true).unwrap();
+    let priced = learned(study(WEAR, wear), &priced, |s| (s.ranks, s.sets) = (true, 150)).unwrap();
     let costs: Vec<Option<f64>> = priced.values.iter().map(|value| value.cost).collect();
     assert_eq!(costs, [Some(10.0), Some(10.0), Some(5000.0), None], "{:?}", priced.values);
     assert!(answer(&priced).text().contains("narrowing over cost"));
@@ -348,8 +348,8 @@ fn bounds_from_few_samples_hold_as_often_as_stated() {
             let sets: Vec<(f64, [f64; 2])> = laws.iter().map(|law| (1.0, [law.mean(), law.std()])).collect();
             let points_of = space::proposal(&fitted, None, &sets);
             let reweighting = Reweighting::new(vec![0], std::slice::from_ref(&points_of));
-            let states: Vec<f64> = (0..1000)
-                .map(|j| common::random::standard_normal_quantile((f64::from(j) + 0.5) / 1000.0))
+            let states: Vec<f64> = (0..500)
+                .map(|j| common::random::standard_normal_quantile((f64::from(j) + 0.5) / 500.0))
                 .collect();
             let lives: Vec<f64> = states.iter().map(|u| points_of.from_standard_normal(*u)).collect();
             let points: Vec<f64> = reweighting.points(&states, 1);

@@ -3,6 +3,7 @@ use super::*;
 use crate::statistics::design::Population;
 use crate::study::{LifeModel, Observed, Settings, StoredOutcome, learn_from_results};
 use common::scene::{Fault, Faults, SceneSource};
+use std::sync::LazyLock;
 
 /// A wear that grows in proportion to time, from an offset, and another output that no limit state watches.
 const SCENE: &str = r#"
@@ -21,8 +22,8 @@ fn wear(x: &[f64], n: f64) -> f64 {
     x[1] + x[0] * n / 1000.0
 }
 
-/// The scene, its predictor and the summary's settings, from 40 simulations.
-fn study() -> (SceneSource, Settings, LifeModel) {
+/// The scene, the summary's settings and the predictor of the study, from 40 simulations.
+static STUDY: LazyLock<(SceneSource, Settings, LifeModel)> = LazyLock::new(|| {
     let source = SceneSource::parse(SCENE, "bushing").unwrap();
     let scene = source.nominal();
     let settings = Settings { samples: 2000, initial: 40, max_evaluations: 40, ..Settings::from(scene) };
@@ -42,16 +43,16 @@ fn study() -> (SceneSource, Settings, LifeModel) {
     let learned = learn_from_results(scene, scene, &settings, &stored).unwrap();
     let model = LifeModel::new(scene, &learned);
     (source, settings, model)
-}
+});
 
 fn updated(text: &str, particles: usize) -> FleetReport {
-    let (source, settings, model) = study();
-    let units = unit_file::parse(text, "units.csv", &source, &model, None).unwrap().units;
+    let (source, settings, model) = &*STUDY;
+    let units = unit_file::parse(text, "units.csv", source, model, None).unwrap().units;
     let summary = crate::tests::test_study::study().summary;
     let mut fleet = FleetSettings::new(settings.seed);
     fleet.population = 40_000;
     fleet.monte_carlo.particles = particles;
-    update(source.nominal(), &summary, &model, &units, &fleet)
+    update(source.nominal(), &summary, model, &units, &fleet)
 }
 
 /// Posterior of rate and offset under one measurement of the wear at n cycles: mean, and covariance (rr, ro, oo).
@@ -103,7 +104,7 @@ fn a_measured_wear_has_the_conjugate_closed_form() {
 fn survival_lengthens_and_an_improbable_value_is_warned_of() {
     let report = updated(
         "A,1100,survived\nB,400,wear,25,0.1\nC,,offset,1.0,0.01\nC,500,play,1.5,0.1\nD,900,failed\nE,1650,survived\nF,2000,survived\n",
-        2000,
+        1200,
     );
     let rate = |k: usize| report.units[k].variables[0].mean;
     // Survival means slow wear, failure by 900 cycles fast wear.
@@ -125,9 +126,9 @@ fn survival_lengthens_and_an_improbable_value_is_warned_of() {
 
 #[test]
 fn every_fault_of_a_file_is_named_with_line_and_column() {
-    let (source, _, model) = study();
+    let (source, _, model) = &*STUDY;
     let faults = |text: &str| {
-        let Faults(faults) = unit_file::parse(text, "units.csv", &source, &model, None).unwrap_err();
+        let Faults(faults) = unit_file::parse(text, "units.csv", source, model, None).unwrap_err();
         let said = |fault: &Fault| {
             format!("line {}, column {}: {}", fault.location.as_ref().unwrap().line, fault.key, fault.kind)
         };
@@ -174,7 +175,7 @@ fn every_fault_of_a_file_is_named_with_line_and_column() {
 #[test]
 fn issue_no_quantile_is_stated_from_a_fraction_of_a_point() {
     let mut too_few = 0;
-    for error in ["1e-3", "1e-4", "1e-5", "1e-6", "1e-7", "1e-8"] {
+    for error in ["1e-4", "1e-6", "1e-8"] {
         let report = updated(&format!("A,400,wear,12,{error}\n"), 500);
         let unit = &report.units[0];
         // Without a point that agrees there is no result; with ten, it is one.

@@ -9,6 +9,7 @@ use crate::results::summary::StudySummary;
 use crate::study::{FurtherLearning, Observed, Settings, StoredOutcome, run};
 use common::outputs::Evaluation;
 use common::scene::{Scene, SceneSource};
+use std::sync::LazyLock;
 
 /// Two competing limit states of a bar: yield under a force of which the section loses a part, and deflection.
 const SCENE: &str = r#"
@@ -53,9 +54,13 @@ fn study(source: &SceneSource) -> (StudySummary, Vec<StoredOutcome>) {
     (result.summary, journal.outcomes().values().map(stored).collect())
 }
 
+/// The study of the scene, which every question asks.
+static STUDY: LazyLock<(StudySummary, Vec<StoredOutcome>)> =
+    LazyLock::new(|| study(&SceneSource::parse(SCENE, "bar").unwrap()));
+
 fn answer(sets: &[&str]) -> WhatIf {
     let source = SceneSource::parse(SCENE, "bar").unwrap();
-    let (summary, outcomes) = study(&source);
+    let (summary, outcomes) = &*STUDY;
     let sets: Vec<String> = sets.iter().map(ToString::to_string).collect();
     let changed = changed_scene(&source, &sets).unwrap();
     let settings = settings(source.nominal());
@@ -63,8 +68,8 @@ fn answer(sets: &[&str]) -> WhatIf {
         scene: source.nominal(),
         settings: &settings,
         simulated: source.nominal(),
-        outcomes: &outcomes,
-        summary: Some(&summary),
+        outcomes,
+        summary: Some(summary),
     };
     ask(&finished, changed.nominal()).unwrap()
 }

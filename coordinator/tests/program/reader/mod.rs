@@ -36,7 +36,7 @@ fn issue_the_materials_of_guides_were_in_no_table() {
 /// A built-in scene with the settings of a small study.
 fn as_run(name: &str) -> String {
     format!(
-        "[scene]\nname = \"{name}\"\nextends = \"{name}\"\n[study]\npopulation = 2000\ninitial = 12\nmax_evaluations = 12\n\
+        "[scene]\nname = \"{name}\"\nextends = \"{name}\"\n[study]\npopulation = 2000\ninitial = 6\nmax_evaluations = 6\n\
          accuracy = \"draft\"\nlevels = [\"draft\", \"draft+halved-1\"]\n"
     )
 }

@@ -39,8 +39,7 @@ fn with_files(reply: &str, timeout: &str) -> Option<Study> {
 #[test]
 fn a_program_with_files_gives_the_same_answer() {
     let Some(lines) = Study::new(&model("", RIGHT), "1 min") else { return };
-    const RUN: &str =
-        "run study.toml --workers 2 --seed 3 --initial 20 --max-evaluations 20 --out two --quiet";
+    const RUN: &str = "run study.toml --workers 2 --seed 3 --samples 4000 --initial 20 --max-evaluations 20 --out two --quiet";
     lines.done(RUN);
     let Some(study) = with_files("open('results.out', 'w').write(f'{R - S!r} margin\\n')", "1 min") else {
         return;
@@ -72,7 +71,9 @@ fn a_program_with_files_fails_like_one_with_lines() {
             reply = format!("{fault} if request['id'] == {} else {reply}", 5 + k);
         }
         let Some(study) = with_files(&reply, timeout) else { return };
-        study.done("run study.toml --workers 2 --seed 3 --initial 20 --max-evaluations 20 --out out --quiet");
+        study.done(
+            "run study.toml --workers 2 --seed 3 --samples 4000 --initial 20 --max-evaluations 20 --out out --quiet",
+        );
         assert_eq!(study.summary("out")["evaluations"]["failed"], faults.len(), "{timeout}");
         let samples = std::fs::read_to_string(study.file("out").join("samples.csv")).unwrap();
         for (k, (_, cause)) in faults.iter().enumerate() {

@@ -204,7 +204,7 @@ fn a_known_failure_probability_is_found_whatever_happens() {
     let start = Instant::now();
     while recorded().unwrap_or(0) < 15 {
         assert!(child.try_wait().unwrap().is_none() && start.elapsed() < PATIENCE);
-        std::thread::yield_now();
+        std::thread::sleep(Duration::from_millis(2));
     }
     assert_eq!(study.alive().len(), 2);
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
@@ -225,7 +225,7 @@ fn a_second_signal_leaves_no_orphan_either() {
     let start = Instant::now();
     while study.alive().len() < 2 {
         assert!(child.try_wait().unwrap().is_none() && start.elapsed() < PATIENCE);
-        std::thread::yield_now();
+        std::thread::sleep(Duration::from_millis(2));
     }
     for _ in 0..2 {
         assert!(Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap().success());
@@ -233,7 +233,7 @@ fn a_second_signal_leaves_no_orphan_either() {
     assert_eq!(child.wait().unwrap().code(), Some(130));
     while !study.alive().is_empty() {
         assert!(start.elapsed() < PATIENCE, "orphans: {:?}", study.alive());
-        std::thread::yield_now();
+        std::thread::sleep(Duration::from_millis(2));
     }
 }
 
@@ -252,7 +252,8 @@ fn what_is_no_answer_ends_the_study() {
         ("import nothing_of_this_name", RIGHT, &["instead of answering", "ModuleNotFoundError"]),
     ] {
         let Some(study) = Study::new(&model(first, reply), "1 min") else { return };
-        let said = study.refused("run study.toml --workers 1 --out out --quiet", 1);
+        let run = "run study.toml --workers 1 --samples 4000 --max-evaluations 12 --out out --quiet";
+        let said = study.refused(run, 1);
         for part in ["python3 model.py"].iter().chain(parts) {
             assert!(said.contains(part), "no \"{part}\" in: {said}");
         }
@@ -280,7 +281,9 @@ fn a_sample_without_a_result_is_a_failed_simulation() {
     ] {
         let reply = format!("{reply} if id == 5 else {RIGHT}");
         let Some(study) = Study::new(&model("", &reply), timeout) else { return };
-        study.done("run study.toml --workers 2 --seed 3 --initial 20 --max-evaluations 20 --out out --quiet");
+        study.done(
+            "run study.toml --workers 2 --seed 3 --samples 4000 --initial 20 --max-evaluations 20 --out out --quiet",
+        );
         assert_eq!(study.summary("out")["evaluations"]["failed"], 1, "{cause}");
         let samples = std::fs::read_to_string(study.file("out").join("samples.csv")).unwrap();
         let row = samples.lines().find(|line| line.starts_with("5,")).unwrap();
@@ -303,7 +306,8 @@ fn a_program_that_ends_once_is_asked_again() {
 #[test]
 fn a_program_that_cannot_be_used_ends_a_study_with_remote_workers_too() {
     let Some(study) = Study::new(&model("", "sys.exit('no license')"), "1 min") else { return };
-    let said = study.refused("run study.toml --workers 1 --listen tcp/127.0.0.1:0 --out out --quiet", 1);
+    let said =
+        study.refused("run study.toml --workers 1 --listen tcp/127.0.0.1:0 --samples 4000 --max-evaluations 12 --out out --quiet", 1);
     for part in ["evaluation 0 was given up: worker ", "python3 model.py", "instead of answering: no license"]
     {
         assert!(said.contains(part), "no \"{part}\" in: {said}");
