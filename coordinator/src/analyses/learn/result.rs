@@ -23,10 +23,10 @@ pub struct LearnSettings {
 }
 
 impl LearnSettings {
-    /// Defaults for a study with this seed. With a tenth of the particles a unit in a tail of the population, whose state two variables share,
+    /// Defaults for a study with this seed. With 400 particles a unit in a tail of the population, whose state two variables share,
     /// had a likelihood that changed with the parameters by chance: the lower bound of a life was up to a third of its interval too low.
     pub fn new(seed: u64) -> Self {
-        let monte_carlo = SequentialMonteCarlo { particles: 4000, least: 150.0 };
+        let monte_carlo = SequentialMonteCarlo { particles: 2000, least: 150.0 };
         let units = FleetSettings { population: 15_000, monte_carlo, ..FleetSettings::new(seed) };
         Self { units, sets: 500, points: 16_000, confidence: 0.9, ranks: true }
     }
