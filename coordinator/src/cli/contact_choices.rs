@@ -41,7 +41,7 @@ pub struct ContactChange {
     pub lives: Vec<ChangedLife>,
 }
 
-/// The life by a limit state, as the scene has it and with the change [cycles]; `null` without one.
+/// The life by a limit state, as the scene has it and with the change [cycles]; `null` beyond the end of the life.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ChangedLife {
     /// Name of the limit state.
@@ -62,8 +62,8 @@ pub fn contact_changes(
     evaluation: &Evaluation,
     say: &dyn Fn(String),
 ) -> Result<Vec<ContactChange>, SimulationFailure> {
-    let life = |life: &NominalLife| Some(life.reached.expected()).filter(|cycles| cycles.is_finite());
-    let own: Vec<Option<f64>> = nominal_lives(scene, evaluation).iter().map(life).collect();
+    let own: Vec<Option<f64>> =
+        nominal_lives(scene, evaluation).iter().map(|life| life.reached.life()).collect();
     let mut all = Vec::new();
     for (change, apply, matters) in CHOICES {
         let mut changed = scene.clone();
@@ -86,7 +86,7 @@ pub fn contact_changes(
         let of_limit = |(life, changed): (&Option<f64>, &NominalLife)| ChangedLife {
             limit_state: changed.limit.name.clone(),
             life: *life,
-            changed: Some(changed.reached.expected()).filter(|cycles| cycles.is_finite()),
+            changed: changed.reached.life(),
         };
         all.push(ContactChange { change, lives: own.iter().zip(&lives).map(of_limit).collect() });
     }
@@ -102,7 +102,7 @@ impl ContactChange {
             }
             (Some(_), Some(0.0)) | (None, None) => format!("by {limit_state} as before"),
             (_, Some(changed)) => format!("by {limit_state} now about {changed:.0} cycles"),
-            (_, None) => format!("by {limit_state} now without an end"),
+            (_, None) => format!("by {limit_state} now beyond the end"),
         };
         format!("{}: life {}\n", self.change, self.lives.iter().map(of).collect::<Vec<_>>().join(", "))
     }
