@@ -162,6 +162,10 @@ impl<'a> PartialLife<'a> {
         runs[0].note_grooves(block.end);
         runs[0].keep_bores(block.end);
         share_bores(runs);
+        if runs[0].scene.simulator.is_none() {
+            // Contacts that are no longer frozen take no memory while the next cycles are simulated.
+            runs[0].islands.iter_mut().for_each(IslandState::wear_copies);
+        }
         let conditions = runs.iter_mut().zip(&mut self.conditions).zip(&mut self.estimate.conditions);
         let cycles = conditions.map(|((run, life), estimate)| life.go_on(run, model, block, estimate));
         join(cycles).await.into_iter().collect::<Result<Vec<()>, _>>()?;
