@@ -101,8 +101,10 @@ fn until_failed(
         let each: Vec<String> = lives.iter().map(each).collect();
         let [done, all] = [cycles, life.cycles].map(|cycles| grouped(cycles.into()));
         say(format!("{done} of {all} cycles simulated: {}", each.join(", ")));
-        let next = (RESERVE * expected).max(LEAST_GROWTH * f64::from(cycles));
-        let first_part = FIRST_PART * f64::from(life.cycles);
+        let least = LEAST_GROWTH * f64::from(cycles);
+        let next = (RESERVE * expected).max(least);
+        // Longer than the part before in any case, so that parts come to an end.
+        let first_part = (FIRST_PART * f64::from(life.cycles)).max(least);
         // No more than a part again, or all of it.
         part = match next {
             next if cycles == FIRST_CYCLES => part_of(next.min(first_part)),

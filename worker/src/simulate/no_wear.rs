@@ -1,4 +1,4 @@
-//! Scenes in which nothing wears: one cycle stands for the whole life.
+//! Scenes in which nothing wears: the outputs of one cycle are those of the whole life.
 //!
 //! The error follows from a second run of the cycle with time steps shorter by a factor r = 2 (Richardson): a scheme of order
 //! p = 4 has the error |y - y_r| / (1 - r^-p) = 16/15 |y - y_r|, which is doubled for safety.
