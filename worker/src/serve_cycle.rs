@@ -3,8 +3,8 @@
 
 use crate::simulate::{ServedCycle, simulate_one_cycle};
 use common::accuracy::NamedAccuracy;
-use common::external::{JointCycle, WornRadii};
-use common::scene::{Clearance, ControlPoints, Joint, JointKind, OutputKind, Scene, SceneSource};
+use common::external::{CycleContacts, JointCycle, WornSurfaces};
+use common::scene::{Clearance, ControlPoints, GuideClearance, JointKind, OutputKind, Scene, SceneSource};
 use serde::Deserialize;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -16,7 +16,7 @@ struct Request {
     id: u64,
     sample: BTreeMap<String, f64>,
     accuracy: String,
-    joints: BTreeMap<String, WornRadii>,
+    joints: BTreeMap<String, WornSurfaces>,
 }
 
 /// Answers requests until the input ends. Variables of the request that the scene has are set; the others of the scene are at their means.
@@ -49,44 +49,57 @@ fn answer(source: &SceneSource, request: &Request) -> std::result::Result<Value,
     let mut scene = source.resolve_sample(&sample).map_err(|faults| faults.to_string())?;
     let accuracy: NamedAccuracy = request.accuracy.parse().map_err(|error| format!("accuracy: {error}"))?;
     let mut depths = BTreeMap::new();
-    for (name, radii) in &request.joints {
-        depths.insert(name.clone(), worn(&mut scene, name, radii)?);
+    for (name, surfaces) in &request.joints {
+        depths.insert(name.clone(), worn(&mut scene, name, surfaces)?);
     }
     let cycle =
         simulate_one_cycle(&scene, &accuracy.accuracy, &depths).map_err(|failure| failure.to_string())?;
     Ok(reply(request.id, &scene, &cycle))
 }
 
-/// Gives a joint as many control points as the request has radii; its depths [m].
-fn worn(scene: &mut Scene, name: &str, radii: &WornRadii) -> std::result::Result<Vec<f64>, String> {
+/// Gives a joint as many control points as the request has; its depths [m].
+fn worn(scene: &mut Scene, name: &str, surfaces: &WornSurfaces) -> std::result::Result<Vec<f64>, String> {
     let joint = scene.joints.iter_mut().find(|joint| joint.name == name);
-    let Some(Joint { kind: JointKind::Clearance(clearance), .. }) = joint else {
-        return Err(format!(
-            "joints.{name}: the scene has no such joint with clearance; guides are not served"
-        ));
-    };
-    let WornRadii { bushing, journal } = radii;
-    clearance.control_points = ControlPoints::Number(bushing.len());
-    let Clearance { bushing_radius, journal_radius, .. } = &*clearance;
-    // Rounding of radii.
-    let depth = |worn: f64| worn.max(0.0);
-    let mut depths: Vec<f64> = bushing.iter().map(|radius| depth(radius - *bushing_radius)).collect();
-    if clearance.wear_coefficients()[1] > 0.0 {
-        depths.extend(journal.iter().map(|radius| depth(*journal_radius - radius)));
+    match (joint.map(|joint| &mut joint.kind), surfaces) {
+        (Some(JointKind::Clearance(clearance)), WornSurfaces::Bore { bushing, journal }) => {
+            clearance.control_points = ControlPoints::Number(bushing.len());
+            let Clearance { bushing_radius, journal_radius, .. } = &*clearance;
+            // Rounding of radii.
+            let depth = |worn: f64| worn.max(0.0);
+            let mut depths: Vec<f64> = bushing.iter().map(|radius| depth(radius - *bushing_radius)).collect();
+            if clearance.wear_coefficients()[1] > 0.0 {
+                depths.extend(journal.iter().map(|radius| depth(*journal_radius - radius)));
+            }
+            Ok(depths)
+        }
+        (
+            Some(JointKind::Guide(GuideClearance { wear: Some(wear), .. })),
+            WornSurfaces::Guide { guide, slider },
+        ) => {
+            wear.control_points = guide.len() / 2;
+            Ok([&**guide, &**slider].concat())
+        }
+        _ => Err(format!("joints.{name}: the scene has no such joint with clearance or guide that wears")),
     }
-    Ok(depths)
 }
 
 fn reply(id: u64, scene: &Scene, cycle: &ServedCycle) -> Value {
     let column = |of: &[[f64; 2]], axis: usize| of.iter().map(|v| v[axis]).collect::<Vec<f64>>();
-    let of_joint = |joint: &JointCycle| {
-        let e = joint.eccentricity.as_deref().unwrap_or_default();
-        json!({
+    let of_joint = |joint: &JointCycle| match &joint.contacts {
+        CycleContacts::Bore { force, angle, eccentricity } => {
+            let e = eccentricity.as_deref().unwrap_or_default();
+            json!({
+                "time": joint.time,
+                "force_x": column(force, 0), "force_y": column(force, 1),
+                "sliding": joint.sliding, "angle": angle,
+                "eccentricity_x": column(e, 0), "eccentricity_y": column(e, 1),
+            })
+        }
+        CycleContacts::Guide { load, position } => json!({
             "time": joint.time,
-            "force_x": column(&joint.force, 0), "force_y": column(&joint.force, 1),
-            "sliding": joint.sliding, "angle": joint.angle,
-            "eccentricity_x": column(e, 0), "eccentricity_y": column(e, 1),
-        })
+            "force": column(load, 0), "moment": column(load, 1), "normal": joint.normal,
+            "sliding": joint.sliding, "position": position,
+        }),
     };
     let joints: BTreeMap<&String, Value> =
         cycle.joints.iter().map(|(name, joint)| (name, of_joint(joint))).collect();

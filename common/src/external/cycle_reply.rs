@@ -10,11 +10,21 @@
 //! | `sliding` | sliding speed of the journal's surface over the bushing's `(n,)`; without it R1 times the rate of the angle | m/s |
 //! | `eccentricity_x`, `eccentricity_y` | centre of the journal from that of the bushing, in the bushing's frame `(n,)` each; optional | m |
 //!
+//! | field of a guide | value | unit |
+//! |---|---|---|
+//! | `force` | normal force of the slider on the guide, positive to the left of its axis `(n,)` | N |
+//! | `moment` | moment of that force on the guide about the slider's middle `(n,)` | N m |
+//! | `position` | of the slider's middle along the guide `(n,)` | m |
+//! | `sliding` | sliding speed `(n,)`; without it the rate of `position` | m/s |
+//! | `normal` | sum of the normal forces on both faces `(n,)`; without it max(|F|, 2 |M| / l) of an ideal slider of length l | N |
+//!
 //! Instants need not be equal. The last one may be missing where the first one repeats after the period.
 //!
 //! One cycle as a table of comma-separated values: `time`, `JOINT.FIELD` as a reply names them, and the outputs, whose last value counts.
 
-use super::joint_cycle::{CycleJoint, JointCycle, check_joint, sampling_error, slopes};
+use super::joint_cycle::{
+    CycleContacts, CycleJoint, CycleSurfaces, JointCycle, check_joint, sampling_error, slopes,
+};
 use super::program::SampleByName;
 use super::reply::{NoResult, by_name, is_non_finite_word, number, object, shown};
 use crate::evaluation_shape::LARGEST;
@@ -28,17 +38,33 @@ const LONGEST_GAP: f64 = 1.5;
 /// Rounding of times, as a share of the period [1].
 const ROUNDING: f64 = 1e-6;
 
-/// Fields of a joint besides its instants, in the order of the vectors of a model.
-pub(super) const FIELDS: [&str; 6] =
-    ["force_x", "force_y", "angle", "sliding", "eccentricity_x", "eccentricity_y"];
-
-/// Radii of the surfaces of a joint at their control points, from angle zero on, at equal angles `(points,)` each [m].
+/// The surfaces of a joint as worn so far, at equal distances.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct WornRadii {
-    /// The bore, in the bushing's frame.
-    pub bushing: Vec<f64>,
-    /// The journal, in its body's frame.
-    pub journal: Vec<f64>,
+#[serde(untagged)]
+pub enum WornSurfaces {
+    /// Of a bore and its journal.
+    Bore {
+        /// Radii of the bore at the control points, from angle zero on in the bushing's frame `(points,)` [m].
+        bushing: Vec<f64>,
+        /// Radii of the journal, in its body's frame `(points,)` [m].
+        journal: Vec<f64>,
+    },
+    /// Of a guide and its slider.
+    Guide {
+        /// Depths of the left face of the guide and then the right one, from its start to its end `(2 points,)` [m].
+        guide: Vec<f64>,
+        /// Depths of the left face of the slider and then the right one, from its rear to its front; empty if it does not wear [m].
+        slider: Vec<f64>,
+    },
+}
+
+impl WornSurfaces {
+    /// Both surfaces, in the order of the vectors of a model.
+    pub(super) fn both(&self) -> [&[f64]; 2] {
+        let (WornSurfaces::Bore { bushing: first, journal: second }
+        | WornSurfaces::Guide { guide: first, slider: second }) = self;
+        [first, second]
+    }
 }
 
 /// A cycle as it is asked of a program.
@@ -53,7 +79,7 @@ pub struct CycleRequest<'a> {
     /// Name of the accuracy.
     pub accuracy: &'a str,
     /// Surfaces of every joint, by its name.
-    pub joints: &'a BTreeMap<String, WornRadii>,
+    pub joints: &'a BTreeMap<String, WornSurfaces>,
 }
 
 /// The line of a request.
@@ -67,14 +93,14 @@ pub(super) struct CycleLine<'a> {
     pub(super) condition: Option<&'a str>,
     pub(super) accuracy: &'a str,
     pub(super) period: f64,
-    pub(super) joints: &'a BTreeMap<String, WornRadii>,
+    pub(super) joints: &'a BTreeMap<String, WornSurfaces>,
     pub(super) outputs: &'a [&'a str],
 }
 
 /// What a reply has to give.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExpectedCycle {
-    /// Joints of the scene.
+    /// Joints with clearance, then the guides that wear, each in the order of the scene.
     pub joints: Vec<CycleJoint>,
     /// Names of the outputs that the program gives; `None` for those of the wear `(outputs,)`.
     pub outputs: Vec<Option<String>>,
@@ -85,7 +111,7 @@ pub struct ExpectedCycle {
 /// One cycle of a program.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CycleReply {
-    /// Contacts of the joints, in the order of the scene.
+    /// Contacts of the joints, in the order of [`ExpectedCycle::joints`].
     pub joints: Vec<JointCycle>,
     /// Outputs of the motion, in the order of the scene; zero in the place of those of the wear `(outputs,)`.
     pub outputs: Vec<f64>,
@@ -97,16 +123,23 @@ impl ExpectedCycle {
     /// Joints, outputs and period of a scene whose simulator gives cycles.
     pub fn from_scene(scene: &Scene) -> Self {
         let joint = |joint: &Joint| {
-            let JointKind::Clearance(clearance) = &joint.kind else { return None };
-            Some(CycleJoint {
-                name: joint.name.clone(),
-                journal_radius: clearance.journal_radius,
-                has_worn_journal: clearance.wear_coefficients()[1] > 0.0,
-            })
+            let surfaces = match &joint.kind {
+                JointKind::Clearance(clearance) => CycleSurfaces::Bore {
+                    journal_radius: clearance.journal_radius,
+                    has_worn_journal: clearance.wear_coefficients()[1] > 0.0,
+                },
+                JointKind::Guide(guide) if guide.wear_coefficients() != [0.0; 2] => {
+                    CycleSurfaces::Guide { half_length: 0.5 * guide.length }
+                }
+                _ => return None,
+            };
+            Some(CycleJoint { name: joint.name.clone(), surfaces })
         };
         let given = |output: &Output| output.kind.wear().is_none().then(|| output.name.clone());
+        let mut joints: Vec<CycleJoint> = scene.joints.iter().filter_map(joint).collect();
+        joints.sort_by_key(|joint| matches!(joint.surfaces, CycleSurfaces::Guide { .. }));
         ExpectedCycle {
-            joints: scene.joints.iter().filter_map(joint).collect(),
+            joints,
             outputs: scene.outputs.iter().map(given).collect(),
             period: scene.life.period,
         }
@@ -168,15 +201,20 @@ impl ExpectedCycle {
             _ if outputs > 0 => &[],
             _ => given,
         };
-        let fields = of_cycle.len().saturating_sub(1);
-        let fits = [3, 4, 6].iter().any(|count| count * joints == fields);
-        if fits && of_cycle.iter().all(|size| *size == of_cycle[0]) {
+        // The first 3, the first 4 or all fields of every joint.
+        let fields = |most| {
+            self.joints.iter().map(move |joint| joint.surfaces.fields().len().min(most)).sum::<usize>()
+        };
+        let counts = [3, 4, 6].map(fields);
+        if counts.contains(&of_cycle.len().saturating_sub(1))
+            && of_cycle.iter().all(|size| *size == of_cycle[0])
+        {
             return None;
         }
-        let vectors = [3, 4, 6].map(|count| usize::from(outputs > 0) + 1 + count * joints);
+        let vectors = counts.map(|count| usize::from(outputs > 0) + 1 + count);
         let expected = format!(
-            "{outputs} outputs if there are any, the instants, then of each joint the first 3, 4 or 6 of {}: {vectors:?} vectors",
-            FIELDS.join(", ")
+            "{outputs} outputs if there are any, the instants, then of each joint the first 3, the first 4 or all of {}: {vectors:?} vectors",
+            self.joints[0].surfaces.fields().join(", ")
         );
         Some((given.clone(), expected))
     }
@@ -190,9 +228,11 @@ impl ExpectedCycle {
             outputs.extend(names.zip(vectors.next().into_iter().flatten()));
         }
         let time = vectors.next().unwrap_or_default();
-        let fields = vectors.len() / self.joints.len();
+        // As many of the longest list as there are on the average, none of them less than three.
+        let most = vectors.len().div_ceil(self.joints.len());
         let joint = |joint: &CycleJoint| {
-            let columns = FIELDS[..fields].iter().zip(vectors.by_ref());
+            let fields = joint.surfaces.fields();
+            let columns = fields[..most.min(fields.len())].iter().zip(vectors.by_ref());
             let columns = columns.map(|(field, column)| ((*field).to_owned(), Value::from(column)));
             (joint.name.clone(), Value::Object(columns.collect()))
         };
@@ -208,35 +248,63 @@ impl ExpectedCycle {
         let required = |name: &str| {
             fields.list(name, n)?.ok_or_else(|| NoResult::Fault(format!("{place}.{name} is missing")))
         };
-        let (x, y) = (required("force_x")?, required("force_y")?);
-        let (angle, sliding) = (fields.list("angle", n)?, fields.list("sliding", n)?);
-        let eccentricity = match (fields.list("eccentricity_x", n)?, fields.list("eccentricity_y", n)?) {
-            (Some(x), Some(y)) => Some(x.into_iter().zip(y).map(<[f64; 2]>::from).collect()),
-            (None, None) => None,
-            _ => return Err(format!("{place}: eccentricity_x and eccentricity_y need each other").into()),
+        let sliding = fields.list("sliding", n)?;
+        let pairs = |x: Vec<f64>, y: Vec<f64>| x.into_iter().zip(y).map(<[f64; 2]>::from).collect::<Vec<_>>();
+        let (normal, contacts) = match joint.surfaces {
+            CycleSurfaces::Bore { has_worn_journal, .. } => {
+                let force = pairs(required("force_x")?, required("force_y")?);
+                let angle = fields.list("angle", n)?;
+                let eccentricity =
+                    match (fields.list("eccentricity_x", n)?, fields.list("eccentricity_y", n)?) {
+                        (Some(x), Some(y)) => Some(pairs(x, y)),
+                        (None, None) => None,
+                        _ => {
+                            return Err(format!(
+                                "{place}: eccentricity_x and eccentricity_y need each other"
+                            )
+                            .into());
+                        }
+                    };
+                if angle.is_none() && has_worn_journal {
+                    let fault =
+                        format!("{place}.angle is missing: the journal wears at places that turn with it");
+                    return Err(fault.into());
+                }
+                let normal = force.iter().map(|[x, y]| x.hypot(*y)).collect();
+                (normal, CycleContacts::Bore { force, angle, eccentricity })
+            }
+            CycleSurfaces::Guide { half_length } => {
+                let load = pairs(required("force")?, required("moment")?);
+                let least: Vec<f64> =
+                    load.iter().map(|[force, moment]| force.abs().max(moment.abs() / half_length)).collect();
+                let given = fields.list("normal", n)?;
+                if let Some(k) =
+                    given.iter().flatten().zip(&least).position(|(n, least)| *n < (1.0 - ROUNDING) * least)
+                {
+                    let fault = format!(
+                        "{place}.normal[{k}] is less than the faces need for force and moment: it is the sum of the forces on both"
+                    );
+                    return Err(fault.into());
+                }
+                (given.unwrap_or(least), CycleContacts::Guide { load, position: required("position")? })
+            }
         };
-        if angle.is_none() && joint.has_worn_journal {
-            let fault = format!("{place}.angle is missing: the journal wears at places that turn with it");
-            return Err(fault.into());
-        }
-        let mut cycle = JointCycle {
-            force: x.into_iter().zip(y).map(<[f64; 2]>::from).collect(),
-            sliding: vec![],
-            time,
-            angle,
-            eccentricity,
-        };
+        let mut cycle = JointCycle { time, normal, sliding: vec![], contacts };
         if !is_closed {
             cycle.close(self.period);
         }
-        let speeds = |rates: Vec<f64>| -> Vec<f64> {
-            rates.into_iter().map(|rate| joint.journal_radius * rate).collect()
+        let of_motion: Option<Vec<f64>> = match (&cycle.contacts, joint.surfaces) {
+            (CycleContacts::Bore { angle, .. }, CycleSurfaces::Bore { journal_radius, .. }) => {
+                let rates = angle.as_ref().map(|angle| slopes(&cycle.time, angle));
+                rates.map(|rates| rates.into_iter().map(|rate| journal_radius * rate).collect())
+            }
+            (CycleContacts::Guide { position, .. }, _) => Some(slopes(&cycle.time, position)),
+            _ => None,
         };
-        let of_angle = cycle.angle.as_ref().map(|angle| speeds(slopes(&cycle.time, angle)));
         let neither = || format!("{place}: neither sliding nor angle is given");
-        cycle.sliding = sliding.or_else(|| of_angle.clone()).ok_or_else(neither)?;
+        cycle.sliding = sliding.or_else(|| of_motion.clone()).ok_or_else(neither)?;
         cycle.sliding.resize(cycle.time.len(), cycle.sliding[0]);
-        check_joint(joint, &cycle, of_angle.as_deref()).map_err(|fault| format!("{place}.{fault}"))?;
+        check_joint(joint, &cycle, of_motion.as_deref()).map_err(|fault| format!("{place}.{fault}"))?;
         Ok(cycle)
     }
 

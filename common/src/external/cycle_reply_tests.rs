@@ -1,13 +1,14 @@
 //! Replies of programs that give cycles: closed, as tables, and wrong.
 
 use super::cycle_reply::ExpectedCycle;
-use super::joint_cycle::CycleJoint;
+use super::joint_cycle::{CycleContacts, CycleJoint, CycleSurfaces};
 use super::reply::NoResult;
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 
 fn expected() -> ExpectedCycle {
-    let joint = |name: &str| CycleJoint { name: name.into(), journal_radius: 4e-3, has_worn_journal: false };
+    let surfaces = CycleSurfaces::Bore { journal_radius: 4e-3, has_worn_journal: false };
+    let joint = |name: &str| CycleJoint { name: name.into(), surfaces };
     ExpectedCycle { joints: vec![joint("pin")], outputs: vec![None, Some("speed".into())], period: 1.0 }
 }
 
@@ -33,8 +34,9 @@ fn a_cycle_is_closed_and_slides_by_its_angle() {
     let found = expected().read(&turning(48).to_string(), 0).unwrap();
     assert_eq!(found.outputs, [0.0, 2.5]);
     let pin = &found.joints[0];
-    assert_eq!((pin.time.len(), pin.time[48], pin.force[48]), (49, 1.0, pin.force[0]));
-    assert!((pin.angle.as_ref().unwrap()[48] - TAU).abs() < 1e-12);
+    let CycleContacts::Bore { force, angle: Some(angle), .. } = &pin.contacts else { panic!("a bore") };
+    assert_eq!((pin.time.len(), pin.time[48], force[48]), (49, 1.0, force[0]));
+    assert!((angle[48] - TAU).abs() < 1e-12);
     assert!(pin.sliding.iter().all(|v| (v - 4e-3 * TAU).abs() < 1e-12), "{:?}", pin.sliding);
     // Force and speed are constant.
     assert!(found.sampling_error < 1e-12);

@@ -30,11 +30,11 @@ mod slot;
 mod umbridge;
 mod working_folder;
 
-pub use cycle_reply::{CycleReply, CycleRequest, WornRadii};
+pub use cycle_reply::{CycleReply, CycleRequest, WornSurfaces};
 pub use cycle_slot::{CycleSlot, CyclesOfLife};
 pub use guard::limit_contact;
 pub use identity::SimulatorId;
-pub use joint_cycle::JointCycle;
+pub use joint_cycle::{CycleContacts, JointCycle};
 pub use opened::{OpenedSimulator, check};
 pub use process::kill_all;
 pub use slot::{SampleResult, SimulatorError, Slot, SlotError, SlotRequest, StopSignal};

@@ -5,12 +5,12 @@
 //!
 //! A model that gives cycles has the input vectors: random variables, then radii of bushing and journal of every joint; and the output
 //! vectors: outputs of the scene that it gives, if any, instants, then of every joint the first three, four or all six of
-//! [`super::cycle_reply::FIELDS`].
+//! [`super::joint_cycle::CycleSurfaces::fields`].
 //!
 //! # Source
 //! See [`crate::umbridge`].
 
-use super::cycle_reply::{CycleLine, ExpectedCycle, WornRadii};
+use super::cycle_reply::{CycleLine, ExpectedCycle};
 use super::reply::{Expected, NoResult, outcome, parse, shown};
 use super::slot::{SampleResult, SimulatorError, Slot, SlotError, SlotRequest, StopSignal, WaitError};
 use crate::failure::SimulationFailure;
@@ -316,10 +316,7 @@ impl ModelSlot {
         stop: &StopSignal,
         read: impl Fn(&Map<String, Value>) -> Result<T, NoResult>,
     ) -> Result<Result<(T, String), SimulationFailure>, SlotError> {
-        let surfaces = expected.joints.iter().flat_map(|joint| {
-            let WornRadii { bushing, journal } = &request.joints[&joint.name];
-            [&**bushing, &**journal]
-        });
+        let surfaces = expected.joints.iter().flat_map(|joint| request.joints[&joint.name].both());
         let vectors: Vec<&[f64]> = std::iter::once(request.sample.values).chain(surfaces).collect();
         let sizes: Vec<usize> = vectors.iter().map(|vector| vector.len()).collect();
         if sizes != self.client.input_sizes {

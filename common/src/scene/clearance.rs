@@ -192,8 +192,8 @@ const KEYS_OF_HINGES: [(&str, &str); 3] = [
     ("wall", "a guide is not worn through, as nothing behind its faces is modelled: leave this key out"),
 ];
 
-/// Reads the fields of a guide with clearance.
-pub(super) fn guide(row: &mut Section, materials: &[MaterialRow]) -> Option<GuideClearance> {
+/// Reads the fields of a guide with clearance, whose friction may be missing unless it `rubs` here.
+pub(super) fn guide(row: &mut Section, materials: &[MaterialRow], rubs: bool) -> Option<GuideClearance> {
     let read = record!(GuideClearance {
         axis: row.quantity_or("axis", ANGLE, Range::Any, 0.0),
         angle: row.quantity_or("angle", ANGLE, Range::Any, 0.0),
@@ -205,8 +205,8 @@ pub(super) fn guide(row: &mut Section, materials: &[MaterialRow]) -> Option<Guid
         slider_material: material(row, "slider_material", materials),
         guide_material: material(row, "guide_material", materials),
         contact_damping: contact_damping(row),
-        friction: row.quantity("friction", NUMBER, FRICTION),
-        friction_speed: row.quantity("friction_speed", SPEED, Range::Positive),
+        friction: row.quantity_unless("friction", NUMBER, FRICTION, (!rubs).then_some(0.0)),
+        friction_speed: row.quantity_unless("friction_speed", SPEED, Range::Positive, (!rubs).then_some(1.0)),
         wear: wear(row),
     });
     for (key, reason) in KEYS_OF_HINGES {

@@ -89,7 +89,7 @@ fn joint(
         "cam" => cam(row, bodies, places),
         _ => {
             unworn = row.peek("wears").is_none().then_some("is a guide without the key wears");
-            guide(row, materials).map(JointKind::Guide)
+            guide(row, materials, true).map(JointKind::Guide)
         }
     };
     let friction = size.map_or(Some(None), |size| friction(row, size));
@@ -107,19 +107,21 @@ fn joint(
 /// The place of both sides of every joint, on the body that stands for the mechanism.
 const PLACE: Attachment = Attachment { body: 0, position: [0.0; 2] };
 
-/// Reads a joint with clearance whose bodies are those of a program.
+/// Reads a joint with clearance, or a guide that wears, whose bodies are those of a program.
 pub(super) fn worn_joint(row: &mut Section, name: &str, materials: &[MaterialRow]) -> JointRow {
-    let is_known = row.word_or("type", &[("clearance", ())], ());
-    let wears = row.boolean_or("wear", true);
-    let clearance = clearance(row, materials, wears == Some(true), false);
-    let joint = clearance.filter(|_| is_known.is_some()).map(|clearance| Joint {
-        name: name.to_owned(),
-        journal: PLACE,
-        bushing: PLACE,
-        kind: JointKind::Clearance(clearance),
-        friction: None,
-    });
-    JointRow { name: name.to_owned(), unworn: (wears == Some(false)).then_some("has wear = false"), joint }
+    let is_guide = row.word_or("type", &[("clearance", false), ("guide", true)], false);
+    let (unworn, kind) = if is_guide == Some(true) {
+        let unworn = row.peek("wears").is_none().then_some("is a guide without the key wears");
+        (unworn, guide(row, materials, false).map(JointKind::Guide))
+    } else {
+        let wears = row.boolean_or("wear", true);
+        let unworn = (wears == Some(false)).then_some("has wear = false");
+        (unworn, clearance(row, materials, wears == Some(true), false).map(JointKind::Clearance))
+    };
+    let (kind, of_joint) = (kind.filter(|_| is_guide.is_some()), name.to_owned());
+    let joint =
+        kind.map(|kind| Joint { name: of_joint, journal: PLACE, bushing: PLACE, kind, friction: None });
+    JointRow { name: name.to_owned(), unworn, joint }
 }
 
 /// Reads the friction of an ideal joint, of which `size` is the key of the length; outer none if it is faulty, inner none without

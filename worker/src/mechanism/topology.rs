@@ -57,14 +57,18 @@ pub fn islands(scene: &Scene) -> Result<Vec<Island>, SimulationFailure> {
 /// The joints with clearance of a scene whose cycles a program simulates, as an island without bodies.
 pub fn island_of_program(scene: &Scene) -> Island {
     let mut frames = IslandFrames::new(scene, vec![]);
-    let mut joints = Vec::new();
+    let (mut joints, mut guides) = (Vec::new(), Vec::new());
     for (index, joint) in scene.joints.iter().enumerate() {
-        if let JointKind::Clearance(clearance) = &joint.kind {
-            let ends = [frames.end(&joint.journal), frames.end(&joint.bushing)];
-            joints.push(WearingJoint::new(index, (clearance, &scene.wear), ends));
+        let ends = [frames.end(&joint.journal), frames.end(&joint.bushing)];
+        match &joint.kind {
+            JointKind::Clearance(clearance) => {
+                joints.push(WearingJoint::new(index, (clearance, &scene.wear), ends));
+            }
+            JointKind::Guide(guide) => guides.push(WearingGuide::new(index, guide, ends)),
+            _ => {}
         }
     }
-    Island::new(&frames, joints, vec![])
+    Island::new(&frames, joints, guides)
 }
 
 /// The island of the free bodies `bodies` of a scene.

@@ -25,6 +25,17 @@ pub(super) struct LastContacts {
     pub sliders: Vec<RailInstant>,
 }
 
+/// Contacts of one state.
+#[derive(Debug, Clone)]
+pub struct TracedState {
+    /// Time [s].
+    pub time: f64,
+    /// Contact of each joint `(joints,)`.
+    pub contacts: Vec<ContactInstant>,
+    /// Reaction of each guide `(guides,)`.
+    pub guides: Vec<GuideReaction>,
+}
+
 /// Records a cycle of one island.
 #[derive(Debug, Clone)]
 pub struct Recorder {
@@ -32,8 +43,8 @@ pub struct Recorder {
     pub histories: Vec<WearHistory>,
     /// Forces of all joints, and everything if the cycle is displayed.
     pub full: Option<FullRecording>,
-    /// Time [s] and contacts of the joints `(joints,)` in every state, if they are returned.
-    pub traced: Option<Vec<(f64, Vec<ContactInstant>)>>,
+    /// Every state, if the contacts are returned.
+    pub traced: Option<Vec<TracedState>>,
     /// Requested bodies: index into the bodies of the island, moment of inertia [kg m^2], motion.
     bodies: Vec<(usize, f64, BodyTrack)>,
     /// Requested points with their place on the island, and their paths.
@@ -159,7 +170,9 @@ impl Recorder {
     pub(crate) fn record_motion(&mut self, island: &Island, t: f64, q: &[f64], v: &[f64], at: &Linearised) {
         self.recorded = Some(t);
         let later = t > self.start_end;
-        self.traced.iter_mut().for_each(|traced| traced.push((t, contacts(at).collect())));
+        if let Some(traced) = &mut self.traced {
+            traced.push(TracedState { time: t, contacts: contacts(at).collect(), guides: at.guides.clone() });
+        }
         for (slot, inertia, track) in &mut self.bodies {
             let k = 3 * *slot + 2;
             track.push(t, [q[k], v[k], at.f[k] / *inertia]);

@@ -8,6 +8,9 @@
 //! - without it, the equilibrium of F on the worn surfaces: e in the direction of F, with the penetration (F / K)^(2/3) [m] at first. Under
 //!   `foundation` the wear finds the equilibrium again on every profile (`wear/conformal.rs`).
 //!
+//! Of a slider in a guide the cycle gives the force and the moment that both faces carry, and its position; how the faces share them follows from
+//! their shape (`wear/rail_equilibrium.rs`), in both tiers.
+//!
 //! The cycles of a program with ideal joints depend on no surface: one of them serves the whole life.
 //!
 //! The stated error of the wear contains what the distance of the instants leaves, besides that of wear steps, blocks and control points.
@@ -24,16 +27,18 @@ use super::conditions::condition_scenes;
 use super::island_state::IslandState;
 use super::partial_life::CycleModel;
 use super::{FirstCycle, LaneQueue, Run, Simulated, assemble, finish, run_alone, simulate_life};
-use crate::contact::{JointForce, equivalent_penetration};
+use crate::contact::{GuideReaction, JointForce, equivalent_penetration};
 use crate::mechanism::{Pose, WearingJoint, WearingPair, island_of_program, moved_to_origin};
 use crate::outputs::RecordingRequest;
 use crate::plane::length;
-use crate::wear::{ContactHistory, ContactInstant};
+use crate::wear::{ContactHistory, ContactInstant, RailHistory, RailInstant, WearHistory};
 use common::accuracy::{Accuracy, NamedAccuracy};
-use common::external::{CycleReply, CycleRequest, CyclesOfLife, JointCycle, SlotError, WornRadii};
+use common::external::{
+    CycleContacts, CycleReply, CycleRequest, CyclesOfLife, JointCycle, SlotError, WornSurfaces,
+};
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
-use common::scene::{Condition, CycleTier, Scene};
+use common::scene::{Condition, CycleTier, JointKind, Scene};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -143,14 +148,19 @@ impl<'a> ProgramCycles<'_, 'a, '_> {
         let reply = match last.remove(&name) {
             Some((reply, _)) if self.tier == CycleTier::Reaction => reply,
             before => {
-                let joints = radii(run.scene, state);
+                let joints = surfaces(run.scene, state);
                 let (scene, accuracy) = (run.scene, self.name);
                 let request = CycleRequest { scene, condition, cycle, accuracy, joints: &joints };
                 let reply = ask_and_wear_copies(cycles, &request, state)?;
                 run.simulated += 1;
-                let least =
-                    state.island.joints.iter().map(|joint| NOTICED * joint.contact.surface().clearance);
-                let least = least.fold(f64::INFINITY, f64::min);
+                let least = run.scene.joints.iter().filter_map(|joint| match &joint.kind {
+                    JointKind::Clearance(clearance) => {
+                        Some(clearance.bushing_radius - clearance.journal_radius)
+                    }
+                    JointKind::Guide(guide) => Some(guide.clearance),
+                    _ => None,
+                });
+                let least = NOTICED * least.fold(f64::INFINITY, f64::min);
                 if let Some((before, at)) = before
                     && before.joints == reply.joints
                     && at.iter().zip(&depths).any(|(before, now)| (now - before).abs() > least)
@@ -165,9 +175,15 @@ impl<'a> ProgramCycles<'_, 'a, '_> {
             }
         };
         *sampling_error = sampling_error.max(reply.sampling_error);
-        let joints = state.island.joints.iter().zip(&mut state.recorder.histories);
-        for ((joint, history), cycle) in joints.zip(&reply.joints) {
-            history.bore_mut().into_iter().for_each(|history| record(joint, cycle, history));
+        let pairs = state.island.pairs().zip(&mut state.recorder.histories);
+        for (k, ((pair, history), cycle)) in pairs.zip(&reply.joints).enumerate() {
+            match (history, &run.scene.joints[pair.scene_joint()].kind) {
+                (WearHistory::Bore(history), _) => record(&state.island.joints[k], cycle, history),
+                (WearHistory::Rail(history), JointKind::Guide(guide)) => {
+                    record_guide(0.5 * guide.length, cycle, history);
+                }
+                _ => unreachable!("rails are of guides"),
+            }
         }
         run.measured.clone_from(&reply.outputs);
         last.insert(name, (reply, depths));
@@ -179,10 +195,12 @@ impl<'a> ProgramCycles<'_, 'a, '_> {
         let answered = self.answered.borrow();
         let name = self.condition(run).map(|condition| &*condition.name);
         let cycles = answered.last.get(&name).into_iter().flat_map(|(reply, _)| &reply.joints);
-        let joints: Vec<_> = run.scene.joints.iter().map(|joint| &joint.name).zip(cycles).collect();
-        let peak = |cycle: &JointCycle| cycle.force.iter().map(|force| length(*force)).fold(0.0, f64::max);
+        let names = run.islands.iter().flat_map(|state| state.island.pairs());
+        let names = names.map(|pair| &run.scene.joints[pair.scene_joint()].name);
+        let joints: Vec<_> = names.zip(cycles).collect();
+        let peak = |cycle: &JointCycle| cycle.normal.iter().copied().fold(0.0, f64::max);
         let free = |cycle: &JointCycle| {
-            let at = (0..cycle.time.len()).filter(|&k| cycle.force[k] == [0.0; 2]);
+            let at = (0..cycle.time.len()).filter(|&k| cycle.normal[k] == 0.0);
             at.map(|k| weight(&cycle.time, k)).sum::<f64>() / run.scene.life.period
         };
         FirstCycle {
@@ -208,18 +226,23 @@ fn ask_and_wear_copies(
     Ok(reply??)
 }
 
-/// Radii of all surfaces as worn so far, by the names of the joints.
-fn radii(scene: &Scene, state: &IslandState) -> BTreeMap<String, WornRadii> {
-    let joints = state.island.joints.iter().zip(&state.depth);
-    let of_joint = |(joint, depth): (&WearingJoint, &Vec<f64>)| {
-        let (bore, of_journal) = depth.split_at(joint.first_depths());
-        let unworn = joint.contact.surface().journal_radius;
-        let bushing = bore.iter().map(|depth| joint.profile.initial_radius + depth).collect();
-        let mut journal: Vec<f64> = of_journal.iter().map(|depth| unworn - depth).collect();
-        journal.resize(bore.len(), unworn);
-        (scene.joints[joint.scene_joint].name.clone(), WornRadii { bushing, journal })
+/// All surfaces as worn so far, by the names of the joints.
+fn surfaces(scene: &Scene, state: &IslandState) -> BTreeMap<String, WornSurfaces> {
+    let of_pair = |(k, (pair, depth)): (usize, (&dyn WearingPair, &Vec<f64>))| {
+        let (first, second) = depth.split_at(pair.first_depths());
+        let surfaces = match state.island.joints.get(k) {
+            Some(joint) => {
+                let unworn = joint.contact.surface().journal_radius;
+                let bushing = first.iter().map(|depth| joint.profile.initial_radius + depth).collect();
+                let mut journal: Vec<f64> = second.iter().map(|depth| unworn - depth).collect();
+                journal.resize(first.len(), unworn);
+                WornSurfaces::Bore { bushing, journal }
+            }
+            None => WornSurfaces::Guide { guide: first.to_vec(), slider: second.to_vec() },
+        };
+        (scene.joints[pair.scene_joint()].name.clone(), surfaces)
     };
-    joints.map(of_joint).collect()
+    state.island.pairs().zip(&state.depth).enumerate().map(of_pair).collect()
 }
 
 /// Weight of an instant by the trapezoidal rule: half of the steps on both sides [s].
@@ -230,23 +253,35 @@ fn weight(time: &[f64], k: usize) -> f64 {
 /// Replaces the `history` of a joint by the contacts of a cycle.
 fn record(joint: &WearingJoint, cycle: &JointCycle, history: &mut ContactHistory) {
     history.clear();
+    let CycleContacts::Bore { force, angle, eccentricity } = &cycle.contacts else { return };
     let surface = joint.contact.surface();
-    for (k, force) in cycle.force.iter().enumerate() {
-        let turn = cycle.angle.as_ref().map_or(0.0, |angle| angle[k]);
-        let normal = length(*force);
+    for (k, (force, normal)) in force.iter().zip(&cycle.normal).enumerate() {
+        let turn = angle.as_ref().map_or(0.0, |angle| angle[k]);
         let mut at = ContactInstant::default();
-        if normal > 0.0 {
+        if *normal > 0.0 {
             let direction = force.map(|f| f / normal);
-            let of_force = equivalent_penetration(normal, surface.stiffness);
+            let of_force = equivalent_penetration(*normal, surface.stiffness);
             let balanced = || direction.map(|u| (surface.clearance + of_force) * u);
-            let e = cycle.eccentricity.as_ref().map_or_else(balanced, |e| e[k]);
+            let e = eccentricity.as_ref().map_or_else(balanced, |e| e[k]);
             // By another contact law the journal may not reach the wall here.
-            let reached = cycle.eccentricity.as_ref().map(|_| joint.penetration(e, turn));
+            let reached = eccentricity.as_ref().map(|_| joint.penetration(e, turn));
             let penetration = reached.filter(|depth| *depth > 0.0).unwrap_or(of_force);
             let sliding = cycle.sliding[k];
-            let contact = JointForce { normal, direction, penetration, sliding, ..JointForce::default() };
+            let contact =
+                JointForce { normal: *normal, direction, penetration, sliding, ..JointForce::default() };
             at = ContactInstant::new(e, &contact).turned(turn);
         }
+        history.push(weight(&cycle.time, k), &at);
+    }
+    history.close_interval();
+}
+
+/// Replaces the `history` of a guide, with a slider of this half length [m], by the contacts of a cycle.
+fn record_guide(half_length: f64, cycle: &JointCycle, history: &mut RailHistory) {
+    history.clear();
+    let CycleContacts::Guide { load, position } = &cycle.contacts else { return };
+    for (k, load) in load.iter().enumerate() {
+        let at = RailInstant::of_load(*load, cycle.normal[k], half_length, [position[k], cycle.sliding[k]]);
         history.push(weight(&cycle.time, k), &at);
     }
     history.close_interval();
@@ -310,17 +345,41 @@ async fn on_surfaces(
 fn traced(run: &Run) -> BTreeMap<String, JointCycle> {
     let mut joints = BTreeMap::new();
     for state in &run.islands {
+        let states = state.recorder.traced.as_deref().unwrap_or_default();
+        let time: Vec<f64> = states.iter().map(|state| state.time).collect();
         for (k, joint) in state.island.joints.iter().enumerate() {
-            let traced = state.recorder.traced.iter().flatten();
-            let at = || traced.clone().map(|(_, contacts)| &contacts[k]);
+            let at = || states.iter().map(|state| &state.contacts[k]);
+            let force: Vec<[f64; 2]> = at().map(|contact| contact.force()).collect();
             let cycle = JointCycle {
-                time: traced.clone().map(|(time, _)| *time).collect(),
-                force: at().map(|contact| contact.force()).collect(),
+                time: time.clone(),
+                normal: force.iter().map(|force| length(*force)).collect(),
                 sliding: at().map(|contact| contact.sliding()).collect(),
-                angle: Some(at().map(|contact| contact.turn).collect()),
-                eccentricity: Some(at().map(|contact| contact.e).collect()),
+                contacts: CycleContacts::Bore {
+                    force,
+                    angle: Some(at().map(|contact| contact.turn).collect()),
+                    eccentricity: Some(at().map(|contact| contact.e).collect()),
+                },
             };
             joints.insert(run.scene.joints[joint.scene_joint].name.clone(), cycle);
+        }
+        for (k, guide) in state.island.guides.iter().enumerate().filter(|(_, guide)| guide.wears()) {
+            let at = || states.iter().map(|state| &state.guides[k]);
+            let normal = |of: &GuideReaction| of.normal[0] + of.normal[1];
+            let sliding = |of: &GuideReaction| {
+                let normal = normal(of);
+                if normal > 0.0 { (of.rubbing[0] + of.rubbing[1]) / normal } else { 0.0 }
+            };
+            let load = |of: &GuideReaction| [of.normal, of.moment].map(|[left, right]| left - right);
+            let cycle = JointCycle {
+                time: time.clone(),
+                normal: at().map(normal).collect(),
+                sliding: at().map(sliding).collect(),
+                contacts: CycleContacts::Guide {
+                    load: at().map(load).collect(),
+                    position: at().map(|guide| guide.position).collect(),
+                },
+            };
+            joints.insert(run.scene.joints[guide.flat.scene_joint].name.clone(), cycle);
         }
     }
     joints

@@ -65,6 +65,23 @@ impl RailInstant {
         }
     }
 
+    /// A slider of this half length [m] that carries the force F and the moment M `(2,)` [N, N m] with a sum N of the normal forces [N], at the position s
+    /// [m], with the sliding `speed` [m/s]: its corners touch as those of an ideal one, F +- M / (l / 2) over two.
+    pub(crate) fn of_load(
+        [force, moment]: [f64; 2],
+        normal: f64,
+        half_length: f64,
+        [position, speed]: [f64; 2],
+    ) -> Self {
+        let corner = |half: usize, load: f64| {
+            let face = usize::from(load < 0.0);
+            u8::from(load != 0.0) << (2 * face + half)
+        };
+        let couple = moment / half_length;
+        let touching = corner(0, force - couple) | corner(1, force + couple);
+        RailInstant { power: normal * speed.abs(), normal, force, moment, position, touching }
+    }
+
     /// F / N and M / N [1, m]; zero in free flight.
     fn place(&self) -> [f64; 2] {
         if self.normal > 0.0 { [self.force / self.normal, self.moment / self.normal] } else { [0.0; 2] }

@@ -2,6 +2,7 @@
 //! journal of a life; and replies that are wrong. The programs are this worker and shell scripts, FMUs and models of a UM-Bridge server.
 
 mod fmu;
+mod guide;
 mod umbridge;
 
 use common::accuracy::Accuracy;

@@ -1,0 +1,114 @@
+//! A guide that wears, in the wear loop: this program's own mechanics as the program, against the built-in simulator; and the load of an ideal
+//! slider, against a closed form.
+
+use crate::{WORKER, assert_alike, evaluate};
+use common::accuracy::Accuracy;
+use common::scene::SceneSource;
+use worker::simulate::{SimulateOptions, simulate};
+
+/// A crank moves a slider of 60 by 20 mm to and fro by 40 mm, pressed down by 300 N in its middle.
+const MECHANISM: &str = r#"
+scene = { name = "pressed slider" }
+materials.steel = { elastic_modulus = "207 GPa", poisson_ratio = 0.3 }
+bodies = [
+  { name = "frame", motion = "fixed", points = { origin = ["0 mm", "0 mm"] } },
+  { name = "crank", motion = "driven", position = ["0 mm", "0 mm"], start_angle = "0 deg", speed = "60 r/min", points = { pin = ["20 mm", "0 mm"] } },
+  { name = "rod", motion = "free", mass = "1 g", inertia = "1e-6 kg m^2", centre_of_mass = ["50 mm", "0 mm"], start_angle = "0 deg", start_position = ["70 mm", "0 mm"], points = { near = ["0 mm", "0 mm"], far = ["100 mm", "0 mm"] } },
+  { name = "slider", motion = "free", mass = "100 g", inertia = "3e-5 kg m^2", centre_of_mass = ["0 mm", "0 mm"], start_position = ["120 mm", "0 mm"], start_angle = "0 deg", points = { middle = ["0 mm", "0 mm"], push = ["5 mm", "0 mm"] } },
+]
+joints = [
+  { name = "crank_pin", type = "revolute", a = { body = "rod", point = "near" }, b = { body = "crank", point = "pin" } },
+  { name = "piston_pin", type = "revolute", a = { body = "slider", point = "middle" }, b = { body = "rod", point = "far" } },
+  { slider = { body = "slider", point = "middle" }, guide = { body = "frame", point = "origin" }, contact_damping = { hunt_crossley = "50 s/m" }, friction = 0, friction_speed = "1 mm/s", RAIL },
+]
+loads = [{ name = "press", type = "constant-force", at = { body = "slider", point = "push" }, force = ["0 N", "-300 N"] }]
+OUTPUTS
+life = { period = "1 s", cycles = 20000, checkpoint_every = 4000, settle_cycles = 1 }
+"#;
+
+/// Keys of the guide in both scenes.
+const RAIL: &str = r#"name = "rail", type = "guide", length = "60 mm", height = "20 mm", width = "20 mm", clearance = "20 um", guide_start = "40 mm", guide_end = "160 mm", slider_material = "steel", guide_material = "steel", wears = "SURFACES", wear_coefficient = "1e-13 1/Pa", control_points = 41"#;
+
+const OUTPUTS: &str =
+    r#"outputs = [{ name = "wear", type = "largest-wear" }, { name = "volume", type = "worn-volume" }]"#;
+
+/// The scene of a program with these keys of `[simulator]`, in which these surfaces wear.
+fn by_program(simulator: &str, surfaces: &str) -> SceneSource {
+    let text = format!(
+        r#"
+scene = {{ name = "pressed slider by program" }}
+simulator = {{ gives = "cycle", {simulator} }}
+parameters = {{ load = "300 N" }}
+materials.steel = {{ elastic_modulus = "207 GPa", poisson_ratio = 0.3 }}
+joints = [{{ {RAIL} }}]
+{OUTPUTS}
+limit_states = [{{ name = "worn", output = "wear", threshold = "40 um" }}]
+life = {{ period = "1 s", cycles = 20000, checkpoint_every = 4000 }}
+study = {{ accuracy = "draft" }}
+variables = [{{ name = "load", std = "5 %" }}]
+"#
+    );
+    SceneSource::parse(&text.replace("SURFACES", surfaces), "guide.toml")
+        .unwrap_or_else(|faults| panic!("{faults}"))
+}
+
+#[test]
+fn a_guide_of_own_mechanics_wears_like_the_built_in_one() {
+    let folder = tempfile::tempdir().unwrap();
+    for surfaces in ["guide", "slider", "both"] {
+        let path = folder.path().join(format!("{surfaces}.toml"));
+        let text = MECHANISM.replace("RAIL", RAIL).replace("OUTPUTS", OUTPUTS).replace("SURFACES", surfaces);
+        std::fs::write(&path, &text).unwrap();
+        let own = SceneSource::parse(&text, "own").unwrap_or_else(|faults| panic!("{faults}"));
+        let own = simulate(own.nominal(), &Accuracy::draft(), SimulateOptions::default()).unwrap();
+        let program = format!("program = [\"{WORKER}\", \"--serve-cycle\", \"{}\"]", path.display());
+        let life = evaluate(&by_program(&format!("tier = \"contact\", {program}"), surfaces), &[300.0]);
+        assert_alike(&life.unwrap().unwrap(), &own, [1e-3, 0.5]);
+        let life = evaluate(&by_program(&format!("tier = \"reaction\", {program}"), surfaces), &[300.0]);
+        let life = life.unwrap().unwrap();
+        for ((found, expected), error) in life.histories[0].iter().zip(&own.histories[0]).zip(&life.errors[0])
+        {
+            assert!(
+                (found - expected).abs() <= error + 0.02 * expected,
+                "{surfaces}: {found} +- {error}, built in {expected}"
+            );
+        }
+    }
+}
+
+/// A program that gives this load of the slider at four places of a stroke of 40 mm, over which it slides at 80 mm/s.
+fn loaded(load: &str) -> SceneSource {
+    let reply = format!(
+        r#"{{"id": 7, "time": [0, 0.25, 0.5, 0.75], "joints": {{"rail": {{{load}, "position": [0.08, 0.1, 0.12, 0.1], "sliding": [0.08, 0.08, 0.08, 0.08]}}}}}}"#
+    );
+    let script = format!("while read line; do echo '{reply}'; done");
+    by_program(&format!("tier = \"reaction\", program = [\"sh\", \"-c\", '''{script}''']"), "slider")
+}
+
+#[test]
+fn an_ideal_slider_wears_evenly_under_its_load() {
+    let load = r#""force": [-300, -300, -300, -300], "moment": [0, 0, 0, 0]"#;
+    let life = evaluate(&loaded(load), &[300.0]).unwrap().unwrap();
+    // K F S / A of every cycle.
+    let expected = 1e-13 * 300.0 * 0.08 / (0.06 * 0.02) * 20_000.0;
+    let found = life.histories[0].last().unwrap();
+    assert!((found / expected - 1.0).abs() < 1e-3, "{found}, expected {expected}");
+}
+
+#[test]
+fn loads_that_the_faces_cannot_carry_are_named() {
+    for (load, said) in [
+        (r#""force": [-300, -300, -300, -300]"#, "joints.rail.moment is missing"),
+        (
+            r#""force": [-3, -3, -3, -3], "moment": [1, 1, 1, 1], "normal": [3, 3, 3, 3]"#,
+            "joints.rail.normal[0] is less than the faces need for force and moment",
+        ),
+        (
+            r#""force": [-3, 300, -3, 300], "moment": [0, 0, 0, 0]"#,
+            "joints.rail.force and moment jump between instants",
+        ),
+    ] {
+        let found = evaluate(&loaded(load), &[300.0]).unwrap_err().to_string();
+        assert!(found.contains(said), "{load}: {found}");
+    }
+}
