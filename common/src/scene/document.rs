@@ -75,12 +75,17 @@ fn duplicate_key(text: &str, origin: &str, span: Range<usize>) -> Faults {
         is_head && inside.strip_prefix(*list).is_some_and(|rest| rest.starts_with([']', '.', ' ']))
     };
     if let Some(list) = LISTS.into_iter().find(is_named) {
-        let is_single = |line: &str| {
-            line.strip_prefix('[').is_some_and(|rest| rest.trim_start().starts_with(&format!("{list}]")))
+        let right = format!("[[{list}]]");
+        let is_meant = |line: &str| {
+            let name = line.split(']').next().map(|name| name.trim_matches(['[', ' ']));
+            line.starts_with('[')
+                && !line.starts_with(&right)
+                && name.is_some_and(|name| name.eq_ignore_ascii_case(list))
         };
         let mut lines = lines_before(line_end(text, span.start));
-        if let Some((at, line)) = lines.find(|(_, line)| is_single(line)) {
-            let message = format!("each row of the list `{list}` begins with [[{list}]], in two brackets");
+        if let Some((at, line)) = lines.find(|(_, line)| is_meant(line)) {
+            let how = if line.starts_with("[[") { "lower case" } else { "two brackets" };
+            let message = format!("each row of the list `{list}` begins with {right}, in {how}");
             return Faults(vec![fault(at..at + line.len(), message)]);
         }
     }

@@ -56,7 +56,35 @@ pub(super) fn joints(file: &mut Section, bodies: &[BodyRow], materials: &[Materi
     if joints.is_empty() {
         file.missing("joints", "at least one joint, [[joints]]");
     }
+    moving_centres(file, &joints, bodies);
     joints
+}
+
+/// Records the wheels of gear pairs, racks and belts whose bearings are on a body that moves.
+fn moving_centres(file: &mut Section, joints: &[JointRow], bodies: &[BodyRow]) {
+    let read = || joints.iter().filter_map(|row| row.joint.as_ref());
+    for joint in read() {
+        let JointKind::Mesh(mesh) = &joint.kind else { continue };
+        let wheels =
+            [&joint.journal, &joint.bushing].into_iter().skip(usize::from(mesh.form == MeshForm::Rack));
+        let bearings = wheels.flat_map(|wheel| {
+            let hinges =
+                read().filter(|other| matches!(other.kind, JointKind::Revolute | JointKind::Clearance(_)));
+            hinges.filter_map(move |hinge| match [&hinge.journal, &hinge.bushing] {
+                [own, other] if own == wheel => Some(other),
+                [other, own] if own == wheel => Some(other),
+                _ => None,
+            })
+        });
+        let moves = |place: &&Attachment| !matches!(bodies[place.body].motion, None | Some(Motion::Fixed));
+        if let Some(place) = bearings.into_iter().find(moves) {
+            let what = format!(
+                "the bearing of a wheel is on body \"{}\", which moves: the line of action is fixed, so both wheels turn on a fixed body",
+                bodies[place.body].name
+            );
+            file.fault(&format!("joints.{}", joint.name), FaultKind::Inconsistent(what));
+        }
+    }
 }
 
 fn joint(

@@ -9,7 +9,7 @@
 //! | values | [`quantity`], [`expression`], `expression_error` | dimensions and units; evaluation of `"2 * arm + 1 mm"`, and why a text has no value |
 //! | model | [`model`], `choice`, `joint`, `mesh`, `drive`, `key_table`, `load`, `output`, `output_values`, `wear_model`, `explained` | the types of a checked scene, all exported here |
 //! | faults | [`faults`], `location`, `layers`, `unit_advice` | what is wrong, with file, line, column, key, value and allowed range |
-//! | reading | `document`, `extends`, `csv_file`, `csv_import`, `context`, `section`, `section_tables`, `input` | one pass over the file that records every fault |
+//! | reading | `document`, `extends`, `csv_file`, `csv_import`, `samples_file`, `context`, `section`, `section_tables`, `input` | one pass over the file that records every fault |
 //! | readers | `bodies`, `shape`, `joints`, `clearance`, `key_reading`, `elements`, `tables`, `life`, `simulator`, `variables`, `variable_law`, `conditions` | one part of a file each |
 //! | whole | `resolve`, `conditioned`, `edit`, `warnings`, `builtin`, [`source`], `setting` | all parts together; warnings; `extends`; changed texts; the built-in scenes and their published results; samples; values set by name |
 
@@ -53,6 +53,7 @@ mod output_unit;
 mod output_values;
 pub mod quantity;
 mod resolve;
+mod samples_file;
 mod section;
 mod section_tables;
 mod setting;
@@ -90,6 +91,7 @@ pub use model::{
 pub use output::{Output, OutputKind};
 pub use output_unit::OutputUnit;
 pub use output_values::{Attachment, ErrorMeasure, HeldInput, ImpactMeasure, SignedBody, WearQuantity};
+pub use samples_file::samples_of;
 pub use section::{Section, VALUE_LIMIT};
 pub use simulator::{LEVEL_COST, REQUEST_FILE};
 pub use source::{SceneSource, published_results};

@@ -181,7 +181,7 @@ macro_rules! kinds {
             angle: AngleUnit::$angle,
         };)*
         /// Every kind; of two with the same dimension the first one names it.
-        const KINDS: &[Kind] = &[$($constant),*];
+        pub const KINDS: &[Kind] = &[$($constant),*];
     };
 }
 

@@ -53,4 +53,13 @@ fn joints_have_the_defaults_of_their_scene() {
     let wrong = geared.replace("[joint_defaults]", "[joint_defaults]\nwidht = \"2 mm\"");
     let faults = SceneSource::parse(&wrong, "geared-cam").unwrap_err().to_string();
     assert!(faults.contains("joint_defaults.widht"), "{faults}");
+    let planet = geared.replace(
+        "bushing = { body = \"frame\", point = \"shaft\" }",
+        "bushing = { body = \"follower\", point = \"foot\" }",
+    );
+    let faults = SceneSource::parse(&planet, "geared-cam").unwrap_err().to_string();
+    assert!(
+        faults.contains("joints.teeth: the bearing of a wheel is on body \"follower\", which moves"),
+        "{faults}"
+    );
 }

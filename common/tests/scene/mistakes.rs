@@ -43,6 +43,8 @@ fn issue_one_bracket_for_a_list_blamed_a_later_line() {
     let wrong = format!("{}[variables]{}", &SCENE[..last], &SCENE[last + "[[variables]]".len()..]);
     let found = said(|_| wrong);
     assert!(found.contains("begins with [[variables]], in two brackets"), "{found}");
+    let found = said(|text| text.replace("[[bodies]]", "[[Bodies]]"));
+    assert!(found.contains("begins with [[bodies]], in lower case"), "{found}");
 }
 
 #[test]

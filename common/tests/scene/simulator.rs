@@ -370,7 +370,7 @@ fn faults_of_a_program_that_gives_cycles_are_named() {
         ("tier = \"contact\"\n", "", "simulator.tier: is missing, expected one of contact, reaction"),
         ("gives = \"cycle\"", "gives = \"cycles\"", "simulator.gives: "),
         ("type = \"largest-wear\"", "type = \"driving-torque\"", "outputs.depth.type: "),
-        ("type = \"clearance\"", "type = \"guide\"", "joints.pin.type: "),
+        ("type = \"clearance\"", "type = \"revolute\"", "joints.pin.type: "),
         ("period = \"50 ms\"\n", "", "life.period: is missing"),
         ("joints = [\"pin\"]", "joints = [\"pen\"]", "outputs.depth.joints"),
         ("share = 0.8", "share = 0.7", "conditions: the shares add up to 0.9, not to 1"),

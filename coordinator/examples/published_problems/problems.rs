@@ -4,11 +4,11 @@
 //! References are exact (quadrature), or from direct simulation of 2e7 samples with the relative standard error given.
 //!
 //! # Source
-//! Four-branch system and oscillator: Echard, Gayton, Lemaire (2011). Sum of lognormals: Rackwitz (2001). RP8 to RP89:
-//! black-box reliability challenge of TNO, as coded in openturns/otbenchmark. Rare events: the parabola of RP22 at a
+//! Four-branch system and oscillator: Echard, Gayton, Lemaire (2011). Sum of lognormals: Rackwitz (2001). RP8 to RP111:
+//! black-box reliability challenge of TNO, as coded in openturns/otbenchmark. Hat: Schöbi, Sudret, Marelli (2017). Rare events: the parabola of RP22 at a
 //! larger distance, and the outside of a circle, whose probability is exp(-r^2 / 2).
 
-use common::random::Distribution;
+use common::random::{Distribution, Extreme};
 
 /// A published problem with its reference value.
 #[derive(Debug, Clone)]
@@ -114,7 +114,7 @@ fn system(modes: usize, problem: PublishedProblem) -> PublishedProblem {
 
 /// All published problems.
 pub fn published_problems() -> Vec<PublishedProblem> {
-    [of_articles(), of_the_challenge(), series_systems(), time_variant()].concat()
+    [of_articles(), of_the_challenge(), of_the_benchmark(), series_systems(), time_variant()].concat()
 }
 
 /// Four-branch systems, oscillator and sums of lognormals.
@@ -181,6 +181,100 @@ fn of_the_challenge() -> Vec<PublishedProblem> {
             0.0,
         ),
     ]
+}
+
+/// Problems of the benchmark of Moustapha, Marelli and Sudret (2022) beyond those above, and others of the challenge. Of its twenty, the ones of
+/// the challenge, the four-branch system, the oscillator and the hat are public in full.
+fn of_the_benchmark() -> Vec<PublishedProblem> {
+    let gumbel = |mean, std| {
+        Distribution::gumbel(mean, std, Extreme::Maxima).expect("a standard deviation above zero")
+    };
+    let rp14 = vec![
+        Distribution::uniform(70.0, 80.0).expect("bounds"),
+        normal(39.0, 0.1),
+        gumbel(1500.0, 350.0),
+        normal(400.0, 0.1),
+        normal(250_000.0, 35_000.0),
+    ];
+    let rp38 = [350.0, 50.8, 3.81, 173.0, 9.38, 33.1, 0.036].map(|mean| normal(mean, 0.1 * mean));
+    let rp91 = [(0.07433, 0.005), (0.1, 0.01), (13.0, 60.0), (4751.0, 48.0), (-684.0, 11.0)]
+        .map(|(mean, std)| normal(mean, std));
+    let exponential = Distribution::exponential_from(0.0, 1.0).expect("a mean above zero");
+    vec![
+        problem("rp14", rp14, |x| single(shaft(x)), 7.748e-4, 5.7e-3),
+        problem(
+            "rp28",
+            vec![normal(78_064.0, 11_710.0), normal(0.0104, 0.00156)],
+            |x| single(x[0] * x[1] - 146.14),
+            1.453_155_770e-7,
+            0.0,
+        ),
+        problem("rp38", rp38.to_vec(), |x| single(stress(x)), 8.059e-3, 2.5e-3),
+        problem(
+            "rp53",
+            vec![normal(1.5, 1.0), normal(2.5, 1.0)],
+            |x| single((2.5 * x[0]).sin() + 2.0 - (x[0] * x[0] + 4.0) * (x[1] - 1.0) / 20.0),
+            3.132_048_569e-2,
+            0.0,
+        ),
+        problem(
+            "rp54",
+            vec![exponential; 20],
+            |x| single(x.iter().sum::<f64>() - 8.951),
+            9.906_030_725e-4,
+            0.0,
+        ),
+        problem("rp91", rp91.to_vec(), |x| single(tube(x)), 6.968e-4, 6e-3),
+        problem(
+            "rp107",
+            standard(10),
+            |x| single(5.0 * 10.0_f64.sqrt() - x.iter().sum::<f64>()),
+            2.866_515_719e-7,
+            0.0,
+        ),
+        problem("rp110", standard(2), |x| single(jumps(x)), 3.195_788_433e-5, 0.0),
+        problem("rp111", standard(2), |x| single(12.5 - (x[0] * x[1]).abs()), 8.035_085_965e-7, 0.0),
+        problem(
+            "hat",
+            vec![normal(0.25, 1.0); 2],
+            |x| single(20.0 - (x[0] - x[1]).powi(2) - 8.0 * (x[0] + x[1] - 4.0).powi(3)),
+            3.865_398_036e-4,
+            0.0,
+        ),
+    ]
+}
+
+/// RP14: strength less the stress of a shaft under bending and torsion.
+fn shaft(x: &[f64]) -> f64 {
+    let moment = ((x[2] * x[3] / 4.0).powi(2) + x[4] * x[4]).sqrt();
+    x[0] - 32.0 / (std::f64::consts::PI * x[1].powi(3)) * moment
+}
+
+/// RP38: allowed less the present stress.
+fn stress(x: &[f64]) -> f64 {
+    let [x1, x2, x3, x4, x5, x6, x7] = [x[0], x[1], x[2], x[3], x[4], x[5], x[6]];
+    let above = x4 * x4 - 4.0 * x5 * x6 * x7 * x7 + x4 * (x6 + 4.0 * x5 + 2.0 * x6 * x7);
+    15.59e4 - x1 * x2.powi(3) / (2.0 * x3.powi(3)) * above / (x4 * x5 * (x4 + x6 + 2.0 * x6 * x7))
+}
+
+/// RP91: the least of three limit states of a tube.
+fn tube(x: &[f64]) -> f64 {
+    let [x1, x2, x3, x4, x5] = [x[0], x[1], x[2], x[3], x[4]];
+    let first = 0.847 + 0.96 * x2 + 0.986 * x3 - 0.216 * x4
+        + 0.077 * x2 * x2
+        + 0.11 * x3 * x3
+        + 7.0 / 378.0 * x4 * x4
+        - x3 * x2
+        - 0.106 * x2 * x4
+        - 0.11 * x3 * x4;
+    let second = 84_000.0 * x1 / (x3 * x3 + x4 * x4 - x3 * x4 + 3.0 * x5 * x5).sqrt() - 1.0;
+    first.min(second).min(84_000.0 * x1 / x4.abs() - 1.0)
+}
+
+/// RP110: the lesser of two limit states with jumps.
+fn jumps(x: &[f64]) -> f64 {
+    let first = if x[0] <= 3.5 { 0.85 - 0.1 * x[0] } else { 4.0 - x[0] };
+    first.min(if x[1] <= 2.0 { 2.3 - x[1] } else { 0.5 - 0.1 * x[1] })
 }
 
 /// Series systems of the black-box challenge.

@@ -2,6 +2,7 @@
 
 use super::learn::Run;
 use super::problems::PublishedProblem;
+use common::random::standard_normal_quantile;
 use coordinator::study::StopReason;
 use serde::Serialize;
 use std::fmt::Write;
@@ -26,6 +27,8 @@ pub struct Row {
     pub pf: f64,
     /// Published failure probability.
     pub reference: f64,
+    /// Median error of the reliability index beta = -Phi^-1(P_f), over its reference [1].
+    pub beta_error: f64,
     /// Largest distance to it in combined standard errors (stated, and of the reference).
     pub worst: f64,
     /// Runs within three combined standard errors.
@@ -70,6 +73,7 @@ pub fn row(problem: &PublishedProblem, runs: &[Run]) -> Row {
         ],
         pf: runs.iter().map(|run| run.pf).sum::<f64>() / runs.len() as f64,
         reference: problem.pf,
+        beta_error: median(&|run| (beta(run.pf) / beta(problem.pf) - 1.0).abs()),
         worst: runs.iter().map(distance).fold(0.0, f64::max),
         within: runs.iter().filter(|run| distance(run) <= WITHIN).count(),
         false_stops: runs.iter().filter(is_false).count(),
@@ -81,21 +85,27 @@ pub fn row(problem: &PublishedProblem, runs: &[Run]) -> Row {
     }
 }
 
+/// Reliability index of a failure probability.
+fn beta(pf: f64) -> f64 {
+    -standard_normal_quantile(pf)
+}
+
 /// The table, Markdown.
 pub fn markdown(rows: &[Row]) -> String {
     let mut text = String::from(
-        "| problem | d | calls: least, median, most | mean Pf | reference | stated error | worst distance | within 3 | false stops | ended by budget | misclassified | population | time |\n\
-         |---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
+        "| problem | d | calls: least, median, most | mean Pf | reference | error of beta | stated error | worst distance | within 3 | false stops | ended by budget | misclassified | population | time |\n\
+         |---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
     );
     for row in rows {
         let [least, median, most] = row.calls;
         let _ = writeln!(
             text,
-            "| {} | {} | {least}, {median}, {most} | {:.4e} | {:.4e} | {:.1} % | {:.1} | {} of {} | {} | {} | {} | {} | {:.2} s |",
+            "| {} | {} | {least}, {median}, {most} | {:.4e} | {:.4e} | {:.2} % | {:.1} % | {:.1} | {} of {} | {} | {} | {} | {} | {:.2} s |",
             row.problem,
             row.dimension,
             row.pf,
             row.reference,
+            100.0 * row.beta_error,
             100.0 * row.stated,
             row.worst,
             row.within,

@@ -7,7 +7,7 @@ use super::shared::ReportTexts;
 use super::stored_study::{not_finished, scene_of};
 use super::{CommandError, Done, OpenedStudy, print, summary_of, to_json};
 use clap::Args;
-use coordinator::analyses::learn::confident_answer;
+use coordinator::analyses::learn::{ConfidentReliability, confident_answer};
 use coordinator::presentation::report;
 use coordinator::presentation::report::answer::{Answer, AnswerPart, Table};
 use coordinator::presentation::report::format::{number_of_cycles, signed_with_width};
@@ -48,14 +48,7 @@ pub struct ReportArguments {
 pub fn report(arguments: &ReportArguments, as_json: bool) -> Done {
     let ReportArguments { dir, out, pdf, confidence, texts } = arguments;
     let (campaign, texts) = (CampaignFile::look(dir)?, texts.given());
-    let stated = confidence.map(|confidence| -> Done<_> {
-        let opened = OpenedStudy::open(dir, false)?;
-        let confident = opened.confident(&opened.present()?, confidence)?;
-        let StudySummary { scene, reliability, .. } = &opened.summary;
-        let end = f64::from(opened.study.scene().life.cycles);
-        Ok((confident_answer(&confident, scene, reliability, end), confident))
-    });
-    let stated = stated.transpose()?;
+    let stated = confidence.map(|confidence| at_confidence(dir, confidence)).transpose()?;
     let page = match out {
         Some(out) => write_results(&campaign, out, &texts)?,
         None => write_results(&campaign, dir, &texts).map_err(|error| error.of_report_in(dir))?,
@@ -77,6 +70,18 @@ pub fn report(arguments: &ReportArguments, as_json: bool) -> Done {
     let text = stated.map_or(String::new(), |(answer, _)| answer.text() + "\n");
     let files = [Some(page), printed, confidence_page].into_iter().flatten();
     print(&files.fold(text, |text, file| text + &format!("{}\n", file.display())))
+}
+
+/// R and the lives of a finished study at a confidence, with what the samples of its measured variables leave open.
+///
+/// # Errors
+/// As [`OpenedStudy::confident`].
+pub fn at_confidence(dir: &Path, confidence: f64) -> Done<(Answer, ConfidentReliability)> {
+    let opened = OpenedStudy::open(dir, false)?;
+    let confident = opened.confident(&opened.present()?, confidence)?;
+    let StudySummary { scene, reliability, .. } = &opened.summary;
+    let end = f64::from(opened.study.scene().life.cycles);
+    Ok((confident_answer(&confident, scene, reliability, end), confident))
 }
 
 /// Writes every result file of a finished study to the folder `out`, with these texts by their keys in a scene; returns the path of the

@@ -6,7 +6,7 @@ use super::designs::{Machines, after_study};
 use super::external;
 use super::farm::local_slots;
 use super::monitor::Monitor;
-use super::results::write_results;
+use super::results::{at_confidence, write_results};
 use super::shared::cores;
 use super::signals::interruption;
 use super::stored_study::{END_DOCUMENT, design_keys};
@@ -16,6 +16,7 @@ use super::{
     CommandError, CommandEvaluator, Done, FarmArguments, StoredStudy, Verbosity, check_linkage, load_with,
     print, summary_of, to_json,
 };
+use common::scene::{read_text, samples_of};
 use coordinator::analyses::designs::{DESIGNS_DOCUMENT, DesignSpace};
 use coordinator::presentation::motion_cautions::motion_cautions;
 use coordinator::presentation::report::{self, CheckpointDistribution, SUMMARY_DOCUMENT};
@@ -24,7 +25,7 @@ use coordinator::results::control_points::control_points_rows;
 use coordinator::results::store::{CampaignFile, CampaignMeta};
 use coordinator::results::summary::StudySummary;
 use coordinator::statistics::reliability::{Histogram, PROBABILITIES};
-use coordinator::study::{OutputHistory, Settings};
+use coordinator::study::{Method, OutputHistory, Settings};
 use std::path::{Path, PathBuf};
 
 /// Starts a study and runs it to its end.
@@ -58,8 +59,25 @@ pub fn run(scene: &str, arguments: &RunArguments, verbosity: Verbosity) -> Done 
     } else {
         check_linkage(source.origin(), &source, scene)?;
     }
+    if let Some(confidence) = arguments.confidence.filter(|_| source.measured().is_empty() || space.is_some())
+    {
+        let fault = "needs a variable with measured samples (samples = [...]), and no --design; `learn` takes what was observed of units";
+        return Err(CommandError::refused(format!("--confidence {}", 100.0 * confidence), fault));
+    }
     arguments.check_levels(scene)?;
     let mut settings = arguments.settings(scene);
+    if let Some(path) = &arguments.method.initial_from {
+        let file = path.display().to_string();
+        if settings.method != Method::ActiveLearning {
+            return Err(CommandError::refused(
+                format!("--initial-from {file}"),
+                "needs --method ak, which learns from it",
+            ));
+        }
+        settings.initial_samples = samples_of(&scene.variables, &file, &read_text(path)?)?;
+        // The nominal point comes before them.
+        settings.initial = settings.initial_samples.len() + 1;
+    }
     settings.check(scene)?;
     let variants = match &arguments.variants {
         None => vec![],
@@ -92,7 +110,7 @@ pub fn run(scene: &str, arguments: &RunArguments, verbosity: Verbosity) -> Done 
     if !variants.is_empty() {
         store_variants(&mut study, &variants)?;
     }
-    finish(study, evaluator, monitor, &arguments.farm, verbosity)
+    finish(study, evaluator, monitor, &arguments.farm, arguments.confidence, verbosity)
 }
 
 /// Continues a study to its end, with other settings if the arguments name any: then another leg of it begins.
@@ -124,7 +142,7 @@ pub fn resume(arguments: &ResumeArguments, verbosity: Verbosity) -> Done {
         write_results(&study.campaign, dir, &[])?;
         return match after_study(study, Machines::ToOpen(farm), verbosity)? {
             None => Ok(()),
-            Some(study) => with_variants(study, farm, summary, verbosity),
+            Some(study) => with_variants(study, farm, summary, None, verbosity),
         };
     }
     if !verbosity.quiet {
@@ -139,25 +157,34 @@ pub fn resume(arguments: &ResumeArguments, verbosity: Verbosity) -> Done {
         let settings = serde_json::to_value(&study.settings)?;
         study.campaign.begin_leg(settings, &command_line(), &program())?;
     }
-    finish(study, evaluator, monitor, farm, verbosity)
+    finish(study, evaluator, monitor, farm, None, verbosity)
 }
 
-/// Learns the variants of the model that are missing, and prints the summary, as text or JSON.
+/// Learns the variants of the model that are missing, and prints the summary, as text or JSON, with R at a `confidence` if one is given.
 fn with_variants(
     study: StoredStudy,
     farm: &FarmArguments,
     mut summary: StudySummary,
+    confidence: Option<f64>,
     verbosity: Verbosity,
 ) -> Done {
     let StoredStudy { campaign, .. } = variants::after_study(study, farm, verbosity)?;
     summary.variants = summary_of(&campaign)?.variants;
+    let stated = confidence.map(|confidence| at_confidence(campaign.dir(), confidence)).transpose()?;
+    let page = stated.as_ref().map(|(answer, _)| answer.write(campaign.dir())).transpose()?;
     if verbosity.json {
-        return print(&to_json(&summary)?);
+        let mut printed = serde_json::to_value(&summary)?;
+        if let Some((_, confident)) = &stated {
+            printed["confident"] = serde_json::to_value(confident)?;
+        }
+        return print(&to_json(&printed)?);
     }
     let nominal = campaign.evaluation(0)?.and_then(|stored| stored.outcome.ok());
     let cautions = nominal.map(|nominal| motion_cautions(&nominal.diagnostics)).unwrap_or_default();
     let caution: String = cautions.iter().map(|caution| format!("caution: {}\n", caution.message)).collect();
-    print(&format!("{caution}{}", final_text(&summary, campaign.dir())))
+    let confident =
+        stated.zip(page).map(|((answer, _), page)| format!("\n{}\n{}\n", answer.text(), page.display()));
+    print(&format!("{caution}{}{}", final_text(&summary, campaign.dir()), confident.unwrap_or_default()))
 }
 
 /// Version and build of this program.
@@ -199,6 +226,7 @@ fn finish(
     mut evaluator: CommandEvaluator,
     mut monitor: Monitor,
     farm: &FarmArguments,
+    confidence: Option<f64>,
     verbosity: Verbosity,
 ) -> Done {
     evaluator.start_workers()?;
@@ -231,7 +259,7 @@ fn finish(
     let unanswered = after_study(study, Machines::Open(&mut evaluator), verbosity)?;
     evaluator.close();
     if let Some(study) = unanswered {
-        with_variants(study, farm, result.summary, verbosity)?;
+        with_variants(study, farm, result.summary, confidence, verbosity)?;
     }
     monitor.serve()
 }

@@ -1,5 +1,6 @@
 //! Options of a study, and the settings they make of a scene's defaults.
 
+use super::learn::confidence as confidence_level;
 use super::monitor::MonitorArguments;
 use super::scene_options::SetArguments;
 use super::shared::{ReportTexts, word, word_or_auto};
@@ -28,6 +29,9 @@ pub struct RunArguments {
     /// `accuracy`: each by its difference from the study at some of its samples (ak)
     #[arg(long, value_name = "FILE.toml", help_heading = "Scene")]
     pub variants: Option<PathBuf>,
+    /// R and the lives at this confidence as well, with what the samples of measured variables leave open, in confidence.html
+    #[arg(long, value_name = "SHARE", value_parser = confidence_level, help_heading = "Output")]
+    pub confidence: Option<f64>,
     #[command(flatten)]
     pub method: MethodArguments,
     #[command(flatten)]
@@ -158,6 +162,10 @@ pub struct MethodArguments {
     /// Evaluations of the initial design (ak)
     #[arg(long, value_name = "N", value_parser = positive)]
     pub initial: Option<usize>,
+    /// Samples of an own design of experiments as initial design: a CSV file with a column for every variable under its name, with its unit in
+    /// the head, e.g. `gap [um]`, or in SI (ak)
+    #[arg(long, value_name = "FILE.csv", conflicts_with = "initial")]
+    pub initial_from: Option<PathBuf>,
     /// Most evaluations; those at finer levels come on top (ak)
     #[arg(long, value_name = "N", value_parser = positive)]
     pub max_evaluations: Option<usize>,

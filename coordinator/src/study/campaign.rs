@@ -168,12 +168,16 @@ impl Campaign {
         self.plan.settings.max_evaluations.saturating_sub(self.requests.total)
     }
 
-    /// Requests the rest of the initial design: a Latin hypercube; as published, or if the population is all there is,
-    /// the points of the population nearest to it.
+    /// Requests the rest of the initial design: the user's own samples, or a Latin hypercube; as published, or if the population is all there
+    /// is, the points of the population nearest to it.
     fn request_initial_design(&mut self) -> Step {
         let count = self.plan.settings.initial.saturating_sub(1).min(self.budget_left());
         let (population, seed) = (&self.classified.population, self.plan.settings.seed);
-        let chunk = if self.plan.is_as_published() || self.plan.largest_population <= population.len() {
+        let own = &self.plan.settings.initial_samples;
+        let chunk = if !own.is_empty() {
+            let inputs = &self.problem.inputs;
+            own.iter().take(count).map(|x| PendingSample::at(inputs.standardise(x), inputs)).collect()
+        } else if self.plan.is_as_published() || self.plan.largest_population <= population.len() {
             let chosen = choose_by_latin_hypercube(population, count, seed);
             chosen.into_iter().map(|j| self.requests.take(&self.classified, j)).collect()
         } else {

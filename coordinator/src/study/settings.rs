@@ -99,6 +99,9 @@ pub struct Settings {
     /// of later legs (`resume --samples`).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub larger_populations: Vec<usize>,
+    /// Samples of an own design of experiments `(initial - 1, d)` [SI], which take the place of the initial Latin hypercube; empty without one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub initial_samples: Vec<Vec<f64>>,
     /// Levels of accuracy finer than the working one (active learning). Campaign files written before this setting existed have none.
     #[serde(default, skip_serializing_if = "FinerLevels::is_none")]
     pub levels: FinerLevels,
@@ -155,6 +158,7 @@ impl From<StudySettings> for Settings {
             target_error: None,
             memory: MEMORY,
             larger_populations: Vec::new(),
+            initial_samples: Vec::new(),
             levels: FinerLevels::None,
         }
     }

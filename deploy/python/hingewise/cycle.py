@@ -1,6 +1,6 @@
 """Programs that give cycles to the wear loop of Hingewise: requests of standard input, replies on standard output.
 
-A request has the sample by name, the worn surfaces of every joint (radii at control points [m]), the cycles worn so far, the name of the
+A request has the sample by name, the worn surfaces of every joint (radii at control points, of guides depths [m]), the cycles worn so far, the name of the
 accuracy and the period [s]; a reply the contacts of every joint over one cycle and the outputs of its motion:
 coordinator/doc/cycles.md.
 """

@@ -5,8 +5,8 @@ scene call it:
 
 A NAME is that of an input of the scene, of a field `JOINT.FIELD` of a joint, with `*` for the joint also in the VARIABLE, or of an output,
 whose VARIABLE may be in `largest(...)`, `smallest(...)`, `mean(...)` or `last(...)` over the cycle, by default the last value. Without a
-mapping a variable has the name itself. Surfaces go to the variables `JOINT.bushing` and `JOINT.journal`, arrays of FMI 3.0 or `[1]`,
-`[2]`, ... of FMI 2.0, if the FMU has them. Of a life, whose time in the FMU is that of the request's cycles in seconds, an output has its
+mapping a variable has the name itself. Surfaces go to the variables `JOINT.bushing` and `JOINT.journal`, of a guide `JOINT.guide` and
+`JOINT.slider`, arrays of FMI 3.0 or `[1]`, `[2]`, ... of FMI 2.0, if the FMU has them. Of a life, whose time in the FMU is that of the request's cycles in seconds, an output has its
 values at the checkpoints, over the life so far.
 """
 
@@ -25,8 +25,9 @@ from .cycle import serve
 #: A request of the wear loop, or of a whole life.
 Request = dict[str, Any]
 
-FIELDS = "force_x", "force_y", "angle", "sliding", "eccentricity_x", "eccentricity_y"
-SURFACES = "bushing", "journal"
+#: Of a joint with clearance, and of a guide.
+FIELDS = "force_x", "force_y", "angle", "sliding", "eccentricity_x", "eccentricity_y", "force", "moment", "position", "normal"
+SURFACES = "bushing", "journal", "guide", "slider"
 OVER_CYCLE: dict[str, Callable[[list[float]], float]] = {
     "largest": max,
     "smallest": min,

@@ -45,7 +45,7 @@ joints = [{{ {RAIL} }}]
 limit_states = [{{ name = "worn", output = "wear", threshold = "40 um" }}]
 life = {{ period = "1 s", cycles = 20000, checkpoint_every = 4000 }}
 study = {{ accuracy = "draft" }}
-variables = [{{ name = "load", std = "5 %" }}]
+variables = [{{ name = "load", changes = ["parameters.load"], std = "5 %" }}]
 "#
     );
     SceneSource::parse(&text.replace("SURFACES", surfaces), "guide.toml")
