@@ -4,7 +4,7 @@
 use super::csv_file::{CsvColumn, CsvFile};
 use super::expression::read_unit;
 use super::faults::{Fault, Faults};
-use super::model::RandomVariable;
+use crate::random::RandomVariable;
 
 /// The samples `(n, d)` [SI] in the text of a CSV file, in the order of its rows.
 ///

@@ -57,7 +57,10 @@ fn quantities() -> Vec<(String, Value)> {
     let word = format!(r"(?:[^\W\d_][^\W_]*|[%°]){power}");
     let expression = format!(r"^(?!{NUMBER_PATTERN}\s*(?:{word}(?: {word})*)?\s*$)[\w.+\-*/^() %]+$");
     let others = [json!({ "$ref": "#/$defs/compound" }), json!({ "$ref": "#/$defs/expression" })];
-    let either = |about: &str, first: Vec<Value>| json!({ "description": about, "anyOf": [first, others.to_vec()].concat() });
+    let either = |about: &str, first: Vec<Value>| {
+        let all = [first, others.to_vec()].concat();
+        json!({ "description": about, "anyOf": all })
+    };
     let of = |kind: &Kind| {
         let is_of = |(_, unit): &&(&str, common::scene::quantity::Unit)| {
             unit.dimension == kind.dimension && (kind.angle == AngleUnit::Open || unit.angle == kind.angle)

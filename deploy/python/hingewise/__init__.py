@@ -11,7 +11,7 @@
 The standard library is enough but for frames, which need pandas; `Study.rows` gives the same tables without it.
 """
 
-from .answers import Answer, check, designs, evaluate, learn, optimise, simulate, update, what_if
+from .answers import Answer, check, designs, evaluate, learn, optimise, replace, simulate, test_plan, update, weibull, what_if
 from .program import ProgramError, call
 from .runs import Progress, resume, run
 from .scenes import dumps, load_scene, save_scene
@@ -32,10 +32,13 @@ __all__ = [
     "learn",
     "load_scene",
     "optimise",
+    "replace",
     "resume",
     "run",
     "save_scene",
     "simulate",
+    "test_plan",
     "update",
+    "weibull",
     "what_if",
 ]

@@ -116,6 +116,26 @@ def learn(study: StudyOrFolder, data: Observations, **options: Any) -> Answer:
         return _of_study("learn", study, {**options, "data": file})
 
 
+def replace(study: StudyOrFolder, failure_cost: float, **options: Any) -> Answer:
+    """The age, or the measured level, of replacement with the least cost."""
+    return _of_study("replace", study, {**options, "failure_cost": failure_cost})
+
+
+def weibull(data: Observations, study: StudyOrFolder | None = None, **options: Any) -> Answer:
+    """Weibull distribution of lives, beside the reliability of a study; rows (unit, cycles, state, mode, from), or those of `update`."""
+    given = {**options, "study": study.folder if isinstance(study, Study) else study}
+    with _observations(data) as file:
+        return Answer(call("weibull", file, *words(given)))
+
+
+def test_plan(reliability: float, at: float, study: StudyOrFolder | None = None, **options: Any) -> Answer:
+    """Units and cycles of a test that demonstrates a reliability at a life [cycles], with a study as prior."""
+    given = words({**options, "reliability": reliability, "at": at})
+    if study is None:
+        return Answer(call("test-plan", *given))
+    return Answer(call("test-plan", study.folder if isinstance(study, Study) else study, *given))
+
+
 def _of_scene(command: str, scene: Scene, set: Settings | None, options: Mapping[str, Any]) -> Answer:
     with file_of(scene) as file:
         hidden = file if isinstance(scene, dict) else None
