@@ -321,9 +321,14 @@ fn pretty(value: &Value, indent: usize) -> String {
 pub(crate) fn with_definition(text: &str, name: &str, definition: &Value) -> String {
     let head = format!("\n    \"{name}\": ");
     let start = text.find(&head).expect("a definition of this name") + head.len();
-    let end = start
-        + ["\n    },\n", "\n    }\n"].iter().filter_map(|end| text[start..].find(end)).min().unwrap()
-        + 6;
+    let line = text[start..].lines().next().unwrap_or_default().trim_end_matches(',');
+    let end = if line.ends_with('}') {
+        start + line.len()
+    } else {
+        start
+            + ["\n    },\n", "\n    }\n"].iter().filter_map(|end| text[start..].find(end)).min().unwrap()
+            + 6
+    };
     format!("{}{}{}", &text[..start], pretty(definition, 4), &text[end..])
 }
 
