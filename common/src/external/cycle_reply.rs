@@ -1,5 +1,3 @@
-//! Requests for one cycle on worn surfaces, as they are asked for and as a program or a model receives them.
-//!
 //! The contacts of one cycle as a program gives them: read from JSON or CSV, closed over the period, and checked by name and field.
 //!
 //! | field | value | unit |
@@ -25,77 +23,15 @@
 use super::joint_cycle::{
     CycleContacts, CycleJoint, CycleSurfaces, JointCycle, check_joint, sampling_error, slopes,
 };
-use super::program::SampleByName;
 use super::reply::{NoResult, by_name, is_non_finite_word, number, object, shown};
 use crate::evaluation_shape::LARGEST;
-use crate::scene::{Condition, Joint, JointKind, Output, Scene};
-use serde::{Deserialize, Serialize};
+use crate::scene::{Joint, JointKind, Output, Scene};
 use serde_json::{Map, Value};
-use std::collections::BTreeMap;
 
 /// Longest gap between the last instant and the end of the cycle, in the longest steps between instants [1].
 const LONGEST_GAP: f64 = 1.5;
 /// Rounding of times, as a share of the period [1].
 const ROUNDING: f64 = 1e-6;
-
-/// The surfaces of a joint as worn so far, at equal distances.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
-pub enum WornSurfaces {
-    /// Of a bore and its journal.
-    Bore {
-        /// Radii of the bore at the control points, from angle zero on in the bushing's frame `(points,)` [m].
-        bushing: Vec<f64>,
-        /// Radii of the journal, in its body's frame `(points,)` [m].
-        journal: Vec<f64>,
-    },
-    /// Of a guide and its slider.
-    Guide {
-        /// Depths of the left face of the guide and then the right one, from its start to its end `(2 points,)` [m].
-        guide: Vec<f64>,
-        /// Depths of the left face of the slider and then the right one, from its rear to its front; empty if it does not wear [m].
-        slider: Vec<f64>,
-    },
-}
-
-impl WornSurfaces {
-    /// Both surfaces, in the order of the vectors of a model.
-    pub(super) fn both(&self) -> [&[f64]; 2] {
-        let (WornSurfaces::Bore { bushing: first, journal: second }
-        | WornSurfaces::Guide { guide: first, slider: second }) = self;
-        [first, second]
-    }
-}
-
-/// A cycle as it is asked of a program.
-#[derive(Debug, Clone, Copy)]
-pub struct CycleRequest<'a> {
-    /// The scene of the sample, under the condition if it has any.
-    pub scene: &'a Scene,
-    /// The operating condition of the cycle.
-    pub condition: Option<&'a Condition>,
-    /// Cycles worn so far.
-    pub cycle: u32,
-    /// Name of the accuracy.
-    pub accuracy: &'a str,
-    /// Surfaces of every joint, by its name.
-    pub joints: &'a BTreeMap<String, WornSurfaces>,
-}
-
-/// The line of a request.
-#[derive(Clone, Copy, Serialize)]
-pub(super) struct CycleLine<'a> {
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) id: Option<u64>,
-    pub(super) cycle: u32,
-    pub(super) sample: SampleByName<'a>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) condition: Option<&'a str>,
-    pub(super) accuracy: &'a str,
-    pub(super) period: f64,
-    pub(super) joints: &'a BTreeMap<String, WornSurfaces>,
-    pub(super) outputs: &'a [&'a str],
-}
 
 /// What a reply has to give.
 #[derive(Debug, Clone, PartialEq)]

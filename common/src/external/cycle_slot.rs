@@ -7,7 +7,8 @@
 //! finished counts for nothing. The request contains the surfaces, which follow from the replies before it: a life that goes on has the
 //! same bits. The file is removed at the end of the life.
 
-use super::cycle_reply::{CycleLine, CycleReply, CycleRequest, ExpectedCycle};
+use super::cycle_reply::{CycleReply, ExpectedCycle};
+use super::cycle_request::{CycleLine, CycleRequest};
 use super::program::{ProgramSlot, Request, SampleByName};
 use super::reply::{Expected, outcome};
 use super::slot::{SimulatorError, Slot, SlotError, SlotRequest, StopSignal};

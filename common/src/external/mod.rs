@@ -17,6 +17,7 @@
 mod cycle_reply;
 #[cfg(test)]
 mod cycle_reply_tests;
+mod cycle_request;
 mod cycle_slot;
 mod guard;
 mod identity;
@@ -30,7 +31,8 @@ mod slot;
 mod umbridge;
 mod working_folder;
 
-pub use cycle_reply::{CycleReply, CycleRequest, WornSurfaces};
+pub use cycle_reply::CycleReply;
+pub use cycle_request::{CycleRequest, WornSurfaces};
 pub use cycle_slot::{CycleSlot, CyclesOfLife};
 pub use guard::limit_contact;
 pub use identity::SimulatorId;

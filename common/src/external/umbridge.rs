@@ -10,7 +10,8 @@
 //! # Source
 //! See [`crate::umbridge`].
 
-use super::cycle_reply::{CycleLine, ExpectedCycle};
+use super::cycle_reply::ExpectedCycle;
+use super::cycle_request::CycleLine;
 use super::reply::{Expected, NoResult, outcome, parse, shown};
 use super::slot::{SampleResult, SimulatorError, Slot, SlotError, SlotRequest, StopSignal, WaitError};
 use crate::failure::SimulationFailure;

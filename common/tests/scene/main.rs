@@ -13,6 +13,7 @@ mod language_tables;
 mod levels;
 mod mistakes;
 mod places;
+mod quantity_patterns;
 mod random;
 mod reference;
 mod shown_units;

@@ -28,7 +28,7 @@ pub(super) struct LastContacts {
 /// Contacts of one state.
 #[derive(Debug, Clone)]
 pub struct TracedState {
-    /// Time [s].
+    /// Time of the state [s].
     pub time: f64,
     /// Contact of each joint `(joints,)`.
     pub contacts: Vec<ContactInstant>,
