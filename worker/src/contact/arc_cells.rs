@@ -82,7 +82,7 @@ impl<R: Real> ArcCells<R> {
     pub(super) fn set(&mut self, lane: usize, arc: &Arc) {
         Integrals::default().write_lane::<R>(lane, &mut self.contents.whole);
         let of_arc = (arc.reach, [SIDE * arc.scale; 2]);
-        self.cells.set(lane, of_arc, &mut OfArcs { arcs: &[], contents: &mut self.contents });
+        self.cells.set(lane, of_arc, &mut self.contents);
     }
 
     /// Integrals over the arcs of the bores `arcs` `(lanes,)` in contact at the eccentricity `e` [m], for intervals of length one; the
@@ -94,7 +94,7 @@ impl<R: Real> ArcCells<R> {
         if !R::any(touches) {
             return UnitIntegrals::none(zero);
         }
-        self.cells.find(e, touches, &mut OfArcs { arcs, contents: &mut self.contents });
+        self.cells.find(e, touches, arcs, &mut self.contents);
         let centre = self.cells.centre;
         let x = [e[0] - centre[0], e[1] - centre[1]];
         let mut ends = UnitIntegrals::none(zero);
@@ -128,32 +128,28 @@ impl<R: Real> ArcCells<R> {
     }
 }
 
-/// The contents with the bores from which they are prepared, one per lane `(lanes,)`.
-struct OfArcs<'a, R> {
-    arcs: &'a [Arc],
-    contents: &'a mut ArcContents<R>,
-}
+impl<R: Real> CellContents<R, 2> for ArcContents<R> {
+    type Table = Arc;
 
-impl<R: Real> CellContents<R, 2> for OfArcs<'_, R> {
     #[inline(always)]
-    fn fill(&mut self, lane: usize, centre: [f64; 2], half: [f64; 2]) -> usize {
+    fn fill(&mut self, arc: &Arc, lane: usize, centre: [f64; 2], half: [f64; 2]) -> usize {
         let margin = change_of_gaps(half[0]);
         let mut whole = Integrals::default();
-        let ends = &mut self.contents.ends;
+        let ends = &mut self.ends;
         let mut found = 0;
-        self.arcs[lane].visit_near(centre, margin, &mut whole, |gaps, directions| {
+        arc.visit_near(centre, margin, &mut whole, |gaps, directions| {
             if found < MOST {
                 ends[found].set_lane(lane, gaps, directions);
             }
             found += 1;
         });
-        whole.write_lane::<R>(lane, &mut self.contents.whole);
+        whole.write_lane::<R>(lane, &mut self.whole);
         found
     }
 
     #[inline(always)]
     fn leave_free(&mut self, lane: usize, k: usize) {
-        self.contents.ends[k].set_lane(lane, [-1.0; 2], [[0.0; 2]; 2]);
+        self.ends[k].set_lane(lane, [-1.0; 2], [[0.0; 2]; 2]);
     }
 }
 

@@ -1,4 +1,4 @@
-//! Motion of one joint with clearance, the force it exerts and the elastic part of its contact; frame and signs as in the parent module.
+//! Motion of one joint with clearance and the force it exerts; frame and signs as in the parent module.
 
 use crate::lanes::{Real, lanewise};
 
@@ -58,15 +58,4 @@ impl<R: Real> ForceSlopes<R> {
         let zero = like.zero();
         ForceSlopes { u: [like.like(1.0), zero], rows: [[zero; 6]; 4], to_turn: None }
     }
-}
-
-/// The elastic part of a contact; all zero in free flight.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Elastic {
-    /// Stored energy [J].
-    pub stored: f64,
-    /// Force F_el [N].
-    pub force: f64,
-    /// delta_dot: the rate of the stored energy is force times this [m/s].
-    pub rate: f64,
 }

@@ -96,8 +96,8 @@ impl Island {
         let mut ideal = self.ideal.clone();
         ideal.update_inputs(t, &frames);
         ideal.constraints.iter_mut().for_each(Constraint::stop);
-        let existence = ideal.add_reactions(placed, &mut change);
-        (existence.independent > 0.0).then_some(change)
+        let [independent, _] = ideal.add_reactions(placed, &mut change);
+        (independent > 0.0).then_some(change)
     }
 
     /// Frame of a body of the island in a state.

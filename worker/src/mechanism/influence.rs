@@ -21,18 +21,9 @@
 use super::closure::Closure;
 use super::{Pose, Prescribed};
 use crate::plane::{dot, left};
-use common::scene::{Attachment, HeldInput, JointKind, Scene};
+use common::scene::{HeldInput, JointKind, OutputKind, Scene};
 use nalgebra::DVector;
 use std::f64::consts::{PI, TAU};
-
-/// A coordinate of the mechanism.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Coordinate {
-    /// Angle of a free body of the scene [rad].
-    Angle(usize),
-    /// Position of a place on a free body along a unit vector in global axes `(2,)` [m].
-    Position(Attachment, [f64; 2]),
-}
 
 /// What the gaps of the joints do to a coordinate in one position of the mechanism.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -50,21 +41,23 @@ pub struct Influence {
 /// Steps of the bisection by which a position of the drive is found: to rounding.
 const BISECTIONS: usize = 60;
 
-/// The influence on `sought` in each of these `poses` of the ideal mechanism; `None` if its joints and drives do not just determine the
+/// The influence on the coordinate of the backlash `sought`, the angle of a free body or the position of a place on it along a direction, in each of these `poses` of the ideal mechanism; `None` if its joints and drives do not just determine the
 /// position in one of them.
-pub(crate) fn influences(scene: &Scene, poses: &[Pose], sought: &Coordinate) -> Option<Vec<Influence>> {
+pub(crate) fn influences(scene: &Scene, poses: &[Pose], sought: &OutputKind) -> Option<Vec<Influence>> {
     let closure = Closure::new(scene);
     poses.iter().map(|pose| influence(scene, &closure, pose, sought)).collect()
 }
 
-fn influence(scene: &Scene, closure: &Closure, pose: &Pose, sought: &Coordinate) -> Option<Influence> {
+fn influence(scene: &Scene, closure: &Closure, pose: &Pose, sought: &OutputKind) -> Option<Influence> {
     let (t, q) = (pose.time, closure.joined(&pose.q));
     let gradient = match *sought {
-        Coordinate::Angle(body) => closure.gradient(body, [0.0, 0.0, 1.0]),
-        Coordinate::Position(at, along) => {
+        OutputKind::Backlash { body, .. } => closure.gradient(body, [0.0, 0.0, 1.0]),
+        OutputKind::PositionBacklash { at, direction, .. } => {
+            let (sin, cos) = libm::sincos(direction);
             let arm = closure.frame(at.body, t, &q).turn(scene.arm(&at));
-            closure.gradient(at.body, [along[0], along[1], dot(along, left(arm))])
+            closure.gradient(at.body, [cos, sin, dot([cos, sin], left(arm))])
         }
+        _ => None,
     };
     let lambda = closure.multipliers(t, &q, &gradient?)?;
     let mut found = Influence::default();

@@ -3,13 +3,12 @@
 
 use super::closing::{close, least_gap};
 use super::effective_mass::begun;
-use super::elimination::Existence;
 use super::extent::farthest;
 use super::frame::{End, Placed};
 use super::island::Island;
 use super::passage::{Comparison, Passage, on_path};
 use crate::extremum::{largest, smallest};
-use crate::integrate::{Closed, Dynamics, Linearised, Passing, State, Stepped};
+use crate::integrate::{Dynamics, Linearised, Passing, State, Stepped};
 use crate::lanes::{Vectorised, fused};
 
 /// Largest gap of a joint, over the size of the mechanism, in a position that a crossing motion reaches [1].
@@ -126,10 +125,10 @@ struct Closing<'a> {
 }
 
 impl Vectorised for Closing<'_> {
-    type Output = Closed;
+    type Output = [f64; 2];
 
     #[inline(always)]
-    fn run(self) -> Closed {
+    fn run(self) -> [f64; 2] {
         close(self.island, self.t, 1.0, self.q, self.v)
     }
 }
@@ -153,7 +152,7 @@ impl Stepped for Island {
         if self.is_projected() {
             return self.close_to_rounding(t, q, v);
         }
-        let Closed { drift, closed } = fused(Closing { island: self, t, q, v });
+        let [drift, closed] = fused(Closing { island: self, t, q, v });
         (closed == 1.0).then_some(drift)
     }
 
@@ -296,7 +295,7 @@ impl Island {
             self.add_many_reactions(at);
         } else if self.ideal.rows > 0 {
             let placed = Placed { frames: &self.frames, jets: &self.jets };
-            let Existence { independent, balanced } = self.ideal.add_reactions(placed, &mut at.f);
+            let [independent, balanced] = self.ideal.add_reactions(placed, &mut at.f);
             (at.independent, at.balanced) = (Some(independent), Some(balanced));
             self.ideal.reduce_derivatives(placed, at);
         }

@@ -3,7 +3,7 @@
 
 use super::closing::{IdealJoints, close};
 use super::effective_mass::begun;
-use super::elimination::{Elimination, Existence};
+use super::elimination::Elimination;
 use super::forces::{Acting, JointSpace};
 use super::frame::Placed;
 use super::joint::Touching;
@@ -11,7 +11,7 @@ use super::load::IslandLoad;
 use super::piecewise_cubic::Jet;
 use super::{End, Frame, Guide, Island, Prescribed, WearingJoint};
 use crate::contact::{GuideReaction, LawLanes};
-use crate::integrate::{Band, Closed, Dynamics, Linearised, SteppedLanes};
+use crate::integrate::{Band, Dynamics, Linearised, SteppedLanes};
 use crate::lanes::{Lanewise, Real};
 use std::mem::discriminant;
 
@@ -294,7 +294,7 @@ impl<R: Real> Dynamics<R> for IslandLanes<R> {
         at.f = f;
         if self.ideal.rows > 0 {
             let (ideal, placed) = self.joints();
-            let Existence { independent, balanced } = ideal.add_reactions(placed, &mut at.f);
+            let [independent, balanced] = ideal.add_reactions(placed, &mut at.f);
             ideal.reduce_derivatives(placed, at);
             let apart = if self.may_be_singular { self.ideal.factors.apart } else { independent };
             // Near singular positions an island is integrated by itself.
@@ -333,7 +333,7 @@ impl<R: Real> SteppedLanes<R> for IslandLanes<R> {
     }
 
     #[inline(always)]
-    fn close(&mut self, t: R, wanted: R, q: &mut [R], v: &mut [R]) -> Closed<R> {
+    fn close(&mut self, t: R, wanted: R, q: &mut [R], v: &mut [R]) -> [R; 2] {
         close(self, t, wanted, q, v)
     }
 

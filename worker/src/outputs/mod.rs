@@ -31,9 +31,9 @@ mod trace;
 
 pub(crate) use contact_lanes::ContactLanes;
 pub(crate) use displayed_motion::{FullRecording, sum_of_islands};
-pub(crate) use motion_output::{Sampling, is_extreme, motion_value, recording_request};
+pub(crate) use motion_output::{is_extreme, missed_peak, motion_value, recording_request};
 pub(crate) use motion_rows::MotionRows;
 pub(crate) use recorded_cycle::{IdealTracks, RecordedCycle, sample_times};
 pub(crate) use recorder::Recorder;
-pub(crate) use recording_request::{RecordingRequest, SoughtBacklash};
+pub(crate) use recording_request::RecordingRequest;
 pub(crate) use trace::{BodyTrack, ForceTrack, MomentTrack, PointTrack};

@@ -1,29 +1,6 @@
 //! What to record of the motion of a cycle.
 
-use crate::mechanism::Coordinate;
-use common::scene::{Attachment, HeldInput};
-
-/// A backlash that an output asks for.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SoughtBacklash {
-    /// Coordinate that is moved.
-    pub coordinate: Coordinate,
-    /// Where the drives are held; `None` for all positions of a cycle.
-    pub held: Option<HeldInput>,
-}
-
-impl SoughtBacklash {
-    /// Of the angle of a free body.
-    pub(super) fn of_angle(body: usize, held: Option<HeldInput>) -> Self {
-        SoughtBacklash { coordinate: Coordinate::Angle(body), held }
-    }
-
-    /// Of a place on a free body along the direction at this angle from the x axis [rad].
-    pub(super) fn of_place(at: Attachment, direction: f64, held: Option<HeldInput>) -> Self {
-        let (sin, cos) = libm::sincos(direction);
-        SoughtBacklash { coordinate: Coordinate::Position(at, [cos, sin]), held }
-    }
-}
+use common::scene::{Attachment, OutputKind};
 
 /// Quantities to record over every measured cycle.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -42,8 +19,8 @@ pub struct RecordingRequest {
     pub angular_accelerations: Vec<usize>,
     /// Driven bodies of the scene on which the moment of joints and loads is recorded.
     pub driven: Vec<usize>,
-    /// Backlashes for which the influence of the joints is needed, in the mechanism with ideal joints.
-    pub backlashes: Vec<SoughtBacklash>,
+    /// Outputs that are a backlash, for which the influence of the joints is needed, in the mechanism with ideal joints.
+    pub backlashes: Vec<OutputKind>,
     /// True if the largest force of every joint is recorded.
     pub peak_forces: bool,
     /// True if the impacts of every joint with clearance are recorded.

@@ -9,7 +9,7 @@ use super::{LifeHistory, Run, Simulated};
 use common::failure::SimulationFailure;
 use std::ops::Range;
 
-/// Cycles of the equations of motion, whose forces are integrated step by step.
+/// Cycles of the equations of motion, whose forces are integrated step by step; of a life of a single cycle the one measured first is all.
 #[derive(Debug, Clone, Copy)]
 pub struct DynamicCycles {
     /// True if some are probed for their error.
@@ -20,6 +20,9 @@ impl CycleModel for DynamicCycles {
     type Error = SimulationFailure;
 
     async fn simulate_cycle(&self, run: &mut Run<'_>, block: &Range<u32>) -> Simulated<bool> {
+        if run.scene.life.is_single_cycle() {
+            return Ok(true);
+        }
         if block.end == run.scene.life.cycles {
             run.last_cycle().await?
         } else {
@@ -29,27 +32,12 @@ impl CycleModel for DynamicCycles {
     }
 
     fn is_probed(&self, run: &Run, block: Option<&Range<u32>>) -> bool {
-        self.probed && block.is_none_or(|block| is_probed(block, &run.scene.life))
+        let life = &run.scene.life;
+        self.probed && block.is_none_or(|block| !life.is_single_cycle() && is_probed(block, life))
     }
 
     fn without_probes(&self) -> Option<Self> {
         Some(DynamicCycles { probed: false })
-    }
-}
-
-/// No cycle but the one measured, which is the whole life.
-#[derive(Debug, Clone, Copy)]
-pub struct SingleCycle;
-
-impl CycleModel for SingleCycle {
-    type Error = SimulationFailure;
-
-    async fn simulate_cycle(&self, _run: &mut Run<'_>, _block: &Range<u32>) -> Simulated<bool> {
-        Ok(true)
-    }
-
-    fn is_probed(&self, _run: &Run, block: Option<&Range<u32>>) -> bool {
-        block.is_none()
     }
 }
 

@@ -99,8 +99,8 @@ impl<'a, M: CycleModel> LongerSteps<'a, M> {
             let before = runs.to_vec();
             let mut life = PartialLife::start(runs, &plain).await?;
             let compared = compare(runs, 0, &steps, &all).await;
-            if let Some(compared) = compared.filter(|compared| !compared.differing.contains(&true)) {
-                note(&mut life, compared.changes(runs, &all));
+            if let Some((cycles, _)) = compared.filter(|(_, differing)| !differing.contains(&true)) {
+                note(&mut life, changes(runs, &cycles, &all));
                 let steps = LongerSteps::taken(runs, plain, &life, all);
                 return Ok((life, Some(steps)));
             }
@@ -110,12 +110,12 @@ impl<'a, M: CycleModel> LongerSteps<'a, M> {
         if life.estimate.conditions.iter().any(|c| c.probes.iter().any(|p| p.aperiodic)) {
             return Ok((life, None));
         }
-        let Some(compared) = compare(runs, 0, &steps, &all).await else { return Ok((life, None)) };
-        let same: Vec<bool> = compared.differing.iter().map(|differs| !differs).collect();
+        let Some((cycles, differing)) = compare(runs, 0, &steps, &all).await else { return Ok((life, None)) };
+        let same: Vec<bool> = differing.iter().map(|differs| !differs).collect();
         if !same.contains(&true) {
             return Ok((life, None));
         }
-        note(&mut life, compared.changes(runs, &same));
+        note(&mut life, changes(runs, &cycles, &same));
         let steps = LongerSteps::taken(runs, plain, &life, same);
         Ok((life, Some(steps)))
     }
@@ -155,22 +155,21 @@ impl<'a, M: CycleModel> LongerSteps<'a, M> {
             return block.end;
         }
         let steps = self.steps_of_check(runs[0].accuracy, is_probed);
-        let Some(compared) = compare(runs, block.end, &steps, &self.islands).await else {
+        let Some((cycles, differing)) = compare(runs, block.end, &steps, &self.islands).await else {
             return self.go_back(runs, life, &all);
         };
-        if compared.differing.contains(&true) {
-            return self.go_back(runs, life, &compared.differing);
+        if differing.contains(&true) {
+            return self.go_back(runs, life, &differing);
         }
         if is_probed && self.islands.contains(&false) {
-            let probes = join(
-                runs.iter_mut().zip(&compared.cycles).map(|(run, cycles)| run.probe_from(cycles, &steps)),
-            );
+            let probes =
+                join(runs.iter_mut().zip(&cycles).map(|(run, cycles)| run.probe_from(cycles, &steps)));
             let Ok(probes) = probes.await.into_iter().collect::<Result<Vec<Probe>, _>>() else {
                 return self.go_back(runs, life, &all);
             };
             note(life, probes);
         } else {
-            note(life, compared.changes(runs, &self.islands));
+            note(life, changes(runs, &cycles, &self.islands));
         }
         if is_faster || block.start == self.checked.cycles {
             self.give_up(runs, &moved);
@@ -258,26 +257,21 @@ pub(crate) fn is_long_enough(ends: &[u32]) -> bool {
     ends.len() > FEWEST_BLOCKS
 }
 
-/// Measured cycles under all conditions, compared with further ones.
-struct StepComparison {
-    /// The two cycles of every condition.
-    cycles: Vec<ComparedCycles>,
-    /// True for an island that makes a difference under a condition `(islands,)`.
-    differing: Vec<bool>,
+/// What the further ones of the compared `cycles` change on account of these islands, under every condition.
+fn changes(runs: &[Run], cycles: &[ComparedCycles], of: &[bool]) -> Vec<Probe> {
+    // A change this small is that of the time steps.
+    let periodic = |probe| Probe { aperiodic: false, ..probe };
+    runs.iter().zip(cycles).map(|(run, cycles)| periodic(run.changes(cycles, of))).collect()
 }
 
-impl StepComparison {
-    /// What the further cycles change on account of these islands, under every condition.
-    fn changes(&self, runs: &[Run], of: &[bool]) -> Vec<Probe> {
-        // A change this small is that of the time steps.
-        let periodic = |probe| Probe { aperiodic: false, ..probe };
-        runs.iter().zip(&self.cycles).map(|(run, cycles)| periodic(run.changes(cycles, of))).collect()
-    }
-}
-
-/// Compares the cycles just measured with further ones that have these time `steps` `(islands,)`, on the bores of `life` [cycles]; which of these islands
-/// make a difference. None if a cycle fails.
-async fn compare(runs: &mut [Run<'_>], life: u32, steps: &[Accuracy], of: &[bool]) -> Option<StepComparison> {
+/// Compares the cycles just measured with further ones that have these time `steps` `(islands,)`, on the bores of `life` [cycles]: the two cycles
+/// under every condition, and which of these islands make a difference `(islands,)`. None if a cycle fails.
+async fn compare(
+    runs: &mut [Run<'_>],
+    life: u32,
+    steps: &[Accuracy],
+    of: &[bool],
+) -> Option<(Vec<ComparedCycles>, Vec<bool>)> {
     let cycles = join(runs.iter_mut().map(|run| run.compare_next(life, steps))).await;
     let cycles = cycles.into_iter().collect::<Result<Vec<ComparedCycles>, _>>().ok()?;
     let differing = runs
@@ -285,7 +279,7 @@ async fn compare(runs: &mut [Run<'_>], life: u32, steps: &[Accuracy], of: &[bool
         .zip(&cycles)
         .map(|(run, cycles)| responsible(of, |of| difference(&run.changes(cycles, of), &run.measured)));
     let differing = any_of(of.len(), differing);
-    Some(StepComparison { cycles, differing })
+    Some((cycles, differing))
 }
 
 /// True if an output of the motion has moved in the last block by more than [`FASTER`] of it, and [`ACCELERATED`] times as fast as before.

@@ -65,10 +65,10 @@ use common::accuracy::Accuracy;
 use common::outputs::Evaluation;
 use common::scene::Scene;
 use conditions::assemble;
-use control_points::{NumberedScene, with_control_points, with_more_points};
+use control_points::{with_control_points, with_more_points};
 use cycle_history::{FirstCycle, finish};
 use failures::Simulated;
-use life_in_blocks::{DynamicCycles, SingleCycle, simulate_life};
+use life_in_blocks::{DynamicCycles, simulate_life};
 use quasi_static::try_quasi_static;
 use run::{Run, WornDisplay};
 pub(crate) use side_by_side::widest_lanes;
@@ -165,11 +165,11 @@ async fn simulate_stages(
         let local = moved_to_origin(scene);
         let scene = local.as_ref().map_or(scene, |(local, _)| local);
         let numbered = with_control_points(&queue, scene).await?;
-        let scene = numbered.as_ref().map_or(scene, |numbered| &numbered.scene);
+        let scene = numbered.as_ref().map_or(scene, |(numbered, ..)| numbered);
         let finer = with_more_points(scene, accuracy.points);
         let scene = finer.as_ref().unwrap_or(scene);
         let mut runs = assemble(&queue, scene, accuracy)?;
-        if let Some(NumberedScene { counts, cycles, .. }) = &numbered {
+        if let Some((_, counts, cycles)) = &numbered {
             runs[0].counts.add(counts);
             runs[0].simulated += cycles;
         }
@@ -195,9 +195,9 @@ async fn evaluate(runs: &mut [Run<'_>]) -> Simulated<Evaluation> {
     let life = if !runs[0].wears() {
         let lives = join(runs.iter_mut().map(Run::life_without_wear)).await;
         LifeHistory::worst(lives.into_iter().collect::<Result<_, _>>()?, scene)
-    } else if scene.life.is_single_cycle() {
-        simulate_life(runs, SingleCycle).await?
-    } else if let Some(life) = try_quasi_static(runs).await {
+    } else if !scene.life.is_single_cycle()
+        && let Some(life) = try_quasi_static(runs).await
+    {
         life
     } else {
         simulate_life(runs, DynamicCycles { probed: true }).await?

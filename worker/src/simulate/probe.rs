@@ -297,15 +297,10 @@ pub struct FinerCycles {
 }
 
 impl FinerCycles {
-    /// Changes of output `k` with twice and with four times the points [SI].
-    pub(crate) fn changes(&self, k: usize) -> [f64; 2] {
-        let [own, twice, four_times] = &self.outputs;
-        [twice, four_times].map(|finer| finer[k] - own[k])
-    }
-
     /// Estimated error of output `k` [SI], and whether it converges.
     pub(crate) fn error(&self, k: usize) -> (f64, bool) {
-        estimate(self.changes(k))
+        let [own, twice, four_times] = &self.outputs;
+        estimate([twice, four_times].map(|finer| finer[k] - own[k]))
     }
 }
 

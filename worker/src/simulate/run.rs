@@ -5,11 +5,11 @@ use super::ideal_tracks::{ideal_tracks, left_open};
 use super::island_state::{IslandState, StateSnapshot, kept_time};
 use super::quasi_static_island::{QuasiStaticIsland, wear_histories};
 use super::repetition::Repetition;
-use super::side_by_side::{Integrated, LaneQueue, Span};
+use super::side_by_side::LaneQueue;
 use crate::integrate::StepCounts;
 use crate::mechanism::{WearingPair, ideal_cycle, islands, turns_per_cycle};
 use crate::outputs::{FullRecording, IdealTracks, recording_request, sample_times};
-use crate::wear::{MarkedDepths, WearHistory, WearLaw, WearStepStats, WornAmounts, wear_output};
+use crate::wear::{WearHistory, WearLaw, WearStepStats, WornAmounts, wear_output};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::{EnergyBalance, NarrowGroove, PointsError, WornLife};
@@ -291,9 +291,8 @@ impl<'a> Run<'a> {
         let period = self.scene.life.period;
         let mut islands = std::mem::take(&mut self.islands);
         islands.iter_mut().for_each(|state| state.begin(time.start, period));
-        let spans = islands.into_iter().map(|state| Span { state, time: time.clone(), record }).collect();
         let mut first = Ok(());
-        for Integrated { mut state, counts, result } in self.queue.integrate(spans).await {
+        for (mut state, counts, result) in self.queue.integrate(islands, &time, record).await {
             state.time = time.end;
             self.counts.add(&counts);
             first = first.and(result.map_err(|error| failure(error, self.cycle, &state.island, self.scene)));
@@ -340,7 +339,7 @@ impl<'a> Run<'a> {
                 let (rate, depth) = (&mut state.rates[k], &mut state.depth[k]);
                 rate.freeze(&histories[k]);
                 let (sizes, scene_joint) = (rate.sizes(), pair.scene_joint());
-                let note = |mark: usize, depths: &MarkedDepths| {
+                let note = |mark: usize, depths: [&[f64]; 2]| {
                     marked[mark][scene_joint] = sizes.amounts_at(depths);
                 };
                 let length = f64::from(to - from);

@@ -11,7 +11,7 @@
 //! Archard (1953), J. Appl. Phys. 24, 981-988, with the pressure of a Winkler foundation
 //! (`contact/foundation.rs`).
 
-use super::condense::{Condenser, Touched};
+use super::condense::Condenser;
 use super::equilibrium::{ElasticSurfaces, Equilibrium, NoEquilibrium, equilibrium};
 use super::interval::ContactSample;
 use super::nodal_loads::{ArcShares, IntervalLoads, NodalLoads};
@@ -67,15 +67,12 @@ impl ConformalContacts {
     pub(crate) fn freeze(&mut self, profile: &Profile, samples: &[ContactSample]) {
         self.law.profile_changed(profile);
         let (law, journal) = (&self.law, self.journal.as_ref());
-        let touched = |s: &ContactSample| Touched {
-            penetration: equivalent_penetration(length(s.force), law.surface.stiffness),
-            half_arc: journal
-                .and_then(|journal| law.with_journal(journal))
-                .map(|law| law.half_arc(s.e, s.turn)),
-            direction: s.force,
-            turn: journal.map(|_| s.turn),
+        let touched = |s: &ContactSample| {
+            let worn = journal.and_then(|journal| law.with_journal(journal));
+            let penetration = equivalent_penetration(length(s.force), law.surface.stiffness);
+            (penetration, worn.map(|law| law.half_arc(s.e, s.turn)))
         };
-        self.condenser.condense(samples, touched, &mut self.samples);
+        self.condenser.condense(samples, touched, journal.is_some(), &mut self.samples);
         for sample in &mut self.samples {
             sample.penetration = match journal.and_then(|journal| law.with_journal(journal)) {
                 None => law.gap_along(sample.e),
@@ -157,7 +154,7 @@ impl ConformalContacts {
             let law = (law, sample.turn);
             let Some(found) = find_equilibrium(&law, sample)? else { continue };
             *evaluations += u64::from(found.evaluations);
-            let arc = law.0.arc.turned;
+            let arc = law.0.arc;
             let pressed = arc.weigh(found.e, sample.turn, parts);
             fine.add(parts, arc.place(sample.turn), work_per_pressure(sample, pressed)?);
         }

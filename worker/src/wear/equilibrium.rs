@@ -72,7 +72,7 @@ impl ElasticSurfaces for (FoundationWithJournal<'_>, f64) {
     }
     #[inline(always)]
     fn gap_along(&self, e: [f64; 2]) -> f64 {
-        self.0.arc.turned.gap_along(e, self.1)
+        self.0.arc.gap_along(e, self.1)
     }
     #[inline(always)]
     fn load(&self, e: [f64; 2]) -> FoundationLoad {

@@ -4,9 +4,8 @@
 //! Each kind of load has its equation at its type; `island_loads!` below lists the kinds. Generalised forces
 //! `(6,)` are (F_x, F_y, M) [N, N, N m] on the first frame, then on the second.
 
-mod actuators;
-mod drag;
 mod force;
+mod one_frame;
 mod springs;
 mod stops;
 
@@ -15,10 +14,9 @@ pub use force::{LoadForce, NO_FRAME};
 use super::frame::Frame;
 use super::island_frames::IslandFrames;
 use crate::lanes::{Lanewise, Real};
-use actuators::{BodyTorque, Motor, PointForce};
 use common::scene::{Curve, Load};
-use drag::{Drag, RotationalDrag};
 use force::Size;
+use one_frame::{BodyTorque, Drag, Motor, PointForce, RotationalDrag};
 use springs::{DirectionalSpring, Spring, TorsionSpring};
 use stops::{AngleStop, LineStop};
 

@@ -152,7 +152,7 @@ impl LanePool {
         }
         self.groups.iter_mut().for_each(|open| open.group.fill(queue));
         while let Some(first) = queue.take(|_| true) {
-            let waiting = 1 + queue.count(|span| same_topology(&first.span.state.island, &span.state.island));
+            let waiting = 1 + queue.count(|span| same_topology(&first.state.island, &span.state.island));
             // Empty groups of other topologies make room.
             self.groups.retain(|open| open.group.occupied() > 0);
             match self.width.for_waiting(waiting).vectors() {
@@ -170,7 +170,7 @@ impl LanePool {
 
 /// Integrates an island by itself, on the account of its evaluation.
 fn integrate_alone(pending: PendingSpan) {
-    let (cpu_time, begun, start) = (Rc::clone(&pending.cpu_time), Instant::now(), pending.span.time.start);
+    let (cpu_time, begun, start) = (Rc::clone(&pending.cpu_time), Instant::now(), pending.time.start);
     pending.integrate_alone(start, StepCounts::default());
     cpu_time.set(cpu_time.get() + begun.elapsed());
 }

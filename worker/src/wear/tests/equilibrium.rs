@@ -1,8 +1,8 @@
 //! Forces in equilibrium on bores of all kinds: round, worn, rough, with a deep narrow groove.
 
-use super::equilibrium::{LEFT, NEARBY, NoEquilibrium, RESOLVED, equilibrium};
 use crate::bore::Profile;
 use crate::contact::{Foundation, FoundationLoad, Surface};
+use crate::wear::equilibrium::{LEFT, NEARBY, NoEquilibrium, RESOLVED, equilibrium};
 use std::f64::consts::TAU;
 
 const POINTS: usize = 36;
