@@ -121,14 +121,7 @@ impl Arc {
     /// Direction in which the gap function is largest, that is of first contact `(2,)` [1].
     pub(crate) fn nearest(&self, e: [f64; 2]) -> [f64; 2] {
         let n = self.radius.len();
-        let gap = |k: usize| dot(e, self.direction[k % n]) - self.radius[k % n];
-        let nearest = (0..n).fold(0, |best, k| if gap(k) > gap(best) { k } else { best });
-        // The peak of the parabola through three neighbours.
-        let (before, at, after) = (gap(nearest + n - 1), gap(nearest), gap(nearest + 1));
-        let bend = before - 2.0 * at + after;
-        let offset = if bend < 0.0 { 0.5 * (before - after) / bend } else { 0.0 };
-        let (s, c) = libm::sincos(TAU * (nearest as f64 + offset) / n as f64);
-        [c, s]
+        peak(n, |k| dot(e, self.direction[k % n]) - self.radius[k % n]).1
     }
 
     /// Gap function g at table angle `k` [m].
@@ -234,6 +227,17 @@ impl Arc {
         let k = if k == self.radius.len() { 0 } else { k };
         (self.direction[k], self.radius[k] - self.journal_radius)
     }
+}
+
+/// Where the function `gap` of the number of `n` equal angles, up to twice as many, is largest: the number of the angle, the direction of the peak of the
+/// parabola through it and its neighbours `(2,)` [1], and how far that is from the angle [intervals].
+pub(super) fn peak(n: usize, gap: impl Fn(usize) -> f64) -> (usize, [f64; 2], f64) {
+    let nearest = (0..n).fold(0, |best, k| if gap(k) > gap(best) { k } else { best });
+    let (before, at, after) = (gap(nearest + n - 1), gap(nearest), gap(nearest + 1));
+    let bend = before - 2.0 * at + after;
+    let offset = if bend < 0.0 { 0.5 * (before - after) / bend } else { 0.0 };
+    let (s, c) = libm::sincos(TAU * (nearest as f64 + offset) / n as f64);
+    (nearest, [c, s], offset)
 }
 
 /// Adds the integrals of a segment of which each interval has to be looked at.

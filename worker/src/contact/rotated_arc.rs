@@ -11,7 +11,7 @@
 //! # Source
 //! Derived here, for the Winkler foundation of `foundation.rs` (Winkler 1867; Johnson 1985).
 
-use super::arc::{Arc, Arcs};
+use super::arc::{Arc, Arcs, peak};
 use super::integrals::{Integrals, RotatedIntegrals, UnitIntegrals};
 use super::journal_table::{JournalTable, Rotated};
 use super::segment::{GROUP, SEGMENT, Segment};
@@ -140,13 +140,9 @@ impl RotatedArc<'_> {
         let n = self.arc.intervals();
         let at = self.journal.turned(alpha);
         let gap = |k: usize| self.arc.gap(e, k % n) - self.journal.depths::<1>(at, k % n)[0][0];
-        let nearest = (0..n).fold(0, |best, k| if gap(k) > gap(best) { k } else { best });
-        let (before, here, after) = (gap(nearest + n - 1), gap(nearest), gap(nearest + 1));
-        let bend = before - 2.0 * here + after;
-        let offset = if bend < 0.0 { 0.5 * (before - after) / bend } else { 0.0 };
-        let (s, c) = libm::sincos(TAU * (nearest as f64 + offset) / n as f64);
+        let (nearest, direction, offset) = peak(n, gap);
         let turned = self.journal.turned(alpha - offset * TAU / n as f64);
-        ([c, s], -self.journal.depths::<1>(turned, nearest)[1][0])
+        (direction, -self.journal.depths::<1>(turned, nearest)[1][0])
     }
 
     /// Parts of the integral of g that belong to the angles of each segment in contact, for intervals of length one, into `parts`, and the integral of g

@@ -10,7 +10,7 @@
 //!
 //! A guide with clearance has the two closures n.d (offset) and theta (angle) of a prismatic joint. A slider of length l has play c to
 //! either side at both of its ends, which share the reaction as the forces lambda_0 / 2 +- lambda_1 / l. Between worn faces its play is that
-//! of `rail/faces.rs`.
+//! of `rail.rs`.
 //!
 //! Valid for gaps much smaller than the links: neglected is the change of lambda within the gap, of relative size e over a link.
 //!

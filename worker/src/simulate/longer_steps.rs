@@ -67,15 +67,8 @@ pub struct LongerSteps<'a, M> {
     model: M,
     /// True for an island with longer steps, the same under all operating conditions `(islands,)`.
     islands: Vec<bool>,
-    checked: Checked<'a>,
-}
-
-/// A life at a check that found no difference.
-struct Checked<'a> {
-    runs: Vec<Run<'a>>,
-    life: PartialLife<'a>,
-    /// Its cycles so far.
-    cycles: u32,
+    /// The life at the last check that found no difference, and its cycles.
+    checked: (Vec<Run<'a>>, PartialLife<'a>, u32),
 }
 
 impl<'a, M: CycleModel> LongerSteps<'a, M> {
@@ -125,7 +118,7 @@ impl<'a, M: CycleModel> LongerSteps<'a, M> {
         tracing::debug!("islands whose time steps are longer while they make no difference: {islands:?}");
         let steps = steps(runs[0].accuracy, &islands);
         runs.iter_mut().for_each(|run| run.set_steps(&steps));
-        let checked = Checked { runs: runs.to_vec(), life: life.clone(), cycles: 0 };
+        let checked = (runs.to_vec(), life.clone(), 0);
         LongerSteps { model, islands, checked }
     }
 
@@ -171,19 +164,19 @@ impl<'a, M: CycleModel> LongerSteps<'a, M> {
         } else {
             note(life, changes(runs, &cycles, &self.islands));
         }
-        if is_faster || block.start == self.checked.cycles {
+        if is_faster || block.start == self.checked.2 {
             self.give_up(runs, &moved);
         } else if is_probed && few_left {
             self.give_up(runs, &all);
         }
-        self.checked = Checked { runs: runs.to_vec(), life: life.clone(), cycles: block.end };
+        self.checked = (runs.to_vec(), life.clone(), block.end);
         block.end
     }
 
     /// True if the last check was a few blocks ago, and all islands have longer steps.
     fn is_recent(&self, life: &PartialLife) -> bool {
         let simulated = |life: &PartialLife| life.conditions[0].outputs.len();
-        let since = simulated(life) - simulated(&self.checked.life);
+        let since = simulated(life) - simulated(&self.checked.1);
         since < FEWEST_BLOCKS_LEFT && !self.islands.contains(&false)
     }
 
@@ -194,8 +187,8 @@ impl<'a, M: CycleModel> LongerSteps<'a, M> {
                 now.iter().zip(before).map(|(now, before)| over((now - before).abs(), share * before.abs()));
             changes.fold(0.0, f64::max)
         };
-        let lives = life.conditions.iter().zip(&self.checked.life.conditions);
-        let conditions = runs.iter().zip(&self.checked.runs).zip(lives);
+        let lives = life.conditions.iter().zip(&self.checked.1.conditions);
+        let conditions = runs.iter().zip(&self.checked.0).zip(lives);
         let moved = conditions.map(|((run, run_before), (now, before))| {
             let (Some(now), Some(before)) = (now.outputs.last(), before.outputs.last()) else {
                 return vec![];
@@ -218,7 +211,7 @@ impl<'a, M: CycleModel> LongerSteps<'a, M> {
 
     /// Returns to the last check, with steps of the life's own for these islands from there on; its cycles.
     fn go_back(&mut self, runs: &mut [Run<'a>], life: &mut PartialLife<'a>, islands: &[bool]) -> u32 {
-        let Checked { runs: before, life: checked, cycles } = &self.checked;
+        let (before, checked, cycles) = &self.checked;
         let cycles = *cycles;
         tracing::debug!("longer time steps make a difference in islands {islands:?}: back to cycle {cycles}");
         for (run, before) in runs.iter_mut().zip(before) {

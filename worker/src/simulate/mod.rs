@@ -45,7 +45,6 @@ mod island_state;
 mod life_in_blocks;
 mod longer_steps;
 mod motion_estimate;
-mod no_wear;
 mod partial_life;
 mod probe;
 mod program_cycles;
@@ -100,17 +99,11 @@ impl SimulateOptions {
 /// # Errors
 /// [`common::failure::SimulationFailure`]: the failure of the physics or the numerics, with time, cycle and joint.
 pub fn simulate(scene: &Scene, accuracy: &Accuracy, options: SimulateOptions) -> Simulated<Evaluation> {
-    simulate_counted(scene, accuracy, options).result
+    simulate_counted(scene, accuracy, options).0
 }
 
-/// An evaluation with the time steps that it tried.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CountedEvaluation {
-    /// The evaluation, or its failure.
-    pub result: Simulated<Evaluation>,
-    /// Number of time steps tried, accepted and refused, also those before a failure.
-    pub steps_tried: u64,
-}
+/// The evaluation, or its failure, and the number of time steps tried, accepted and refused, also those before a failure.
+pub type CountedEvaluation = (Simulated<Evaluation>, u64);
 
 /// Simulates like [`simulate`], and counts the time steps even if the evaluation fails.
 pub fn simulate_counted(scene: &Scene, accuracy: &Accuracy, options: SimulateOptions) -> CountedEvaluation {
@@ -144,7 +137,7 @@ pub fn simulate_side_by_side(
         let input = next()?;
         Some(RunningEvaluation::new(&queue, async move |queue| {
             let SimulationInput { scene, accuracy, options } = input?;
-            simulate_stages(queue, &scene, &accuracy, options).await.result
+            simulate_stages(queue, &scene, &accuracy, options).await.0
         }))
     };
     run_side_by_side(width, &queue, most, &mut next_evaluation, done);
@@ -184,7 +177,7 @@ async fn simulate_stages(
         steps_tried = runs.iter().map(|run| run.counts.steps + run.counts.rejected).sum();
         result
     };
-    CountedEvaluation { result: stages.await, steps_tried }
+    (stages.await, steps_tried)
 }
 
 /// The stages of an evaluation, each under every operating condition.

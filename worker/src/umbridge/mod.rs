@@ -92,7 +92,7 @@ impl Server {
         let listener = runtime.block_on(TcpListener::bind(address)).map_err(refused)?;
         let address = listener.local_addr().map_err(refused)?;
         let (stop, stopped) = oneshot::channel::<()>();
-        let state = Arc::new(ServerState { model, slots: Semaphore::new(slots.max(1)) });
+        let state = Arc::new((model, Semaphore::new(slots.max(1))));
         let serve = axum::serve(listener, routes(state)).with_graceful_shutdown(async {
             // The sender stops the server, or was dropped: both end it.
             let _ = stopped.await;
@@ -118,11 +118,8 @@ impl Server {
     }
 }
 
-/// State shared by the request handlers.
-struct ServerState {
-    model: Model,
-    slots: Semaphore,
-}
+/// What the request handlers share: the model, and as many permits as evaluations run at a time.
+type ServerState = (Model, Semaphore);
 
 fn routes(state: Arc<ServerState>) -> Router {
     let mut router = Router::new()
@@ -144,35 +141,35 @@ async fn info() -> Json<Info> {
 async fn model_info(State(state): State<Arc<ServerState>>, body: Bytes) -> Response {
     reply((|| {
         let request: ModelInfoRequest = read(&body)?;
-        state.model.configured(&request.name, None)?;
+        state.0.configured(&request.name, None)?;
         Ok(ModelInfo { support: Support { evaluate: true, ..Support::default() } })
     })())
 }
 
 async fn input_sizes(State(state): State<Arc<ServerState>>, body: Bytes) -> Response {
-    reply(sizes(&state, &body).map(|()| InputSizes { input_sizes: state.model.input_sizes() }))
+    reply(sizes(&state, &body).map(|()| InputSizes { input_sizes: state.0.input_sizes() }))
 }
 
 async fn output_sizes(State(state): State<Arc<ServerState>>, body: Bytes) -> Response {
-    reply(sizes(&state, &body).map(|()| OutputSizes { output_sizes: state.model.output_sizes() }))
+    reply(sizes(&state, &body).map(|()| OutputSizes { output_sizes: state.0.output_sizes() }))
 }
 
 /// Checks a request for sizes. They do not depend on the configuration, which is checked all the same.
 fn sizes(state: &ServerState, body: &Bytes) -> Result<(), ErrorBody> {
     let request: SizesRequest<Config> = read(body)?;
-    state.model.configured(&request.name, request.config.as_ref()).map(drop)
+    state.0.configured(&request.name, request.config.as_ref()).map(drop)
 }
 
 async fn evaluate(State(state): State<Arc<ServerState>>, body: Bytes) -> Response {
-    let checked = read::<EvaluateRequest<Config>>(&body).and_then(|request| state.model.check(request));
+    let checked = read::<EvaluateRequest<Config>>(&body).and_then(|request| state.0.check(request));
     let (sample, accuracy) = match checked {
         Ok(checked) => checked,
         Err(error) => return reply::<()>(Err(error)),
     };
     let shared = Arc::clone(&state);
     let failed = |message: String| ErrorBody { kind: SIMULATION_FAILED.into(), message };
-    let evaluated = match state.slots.acquire().await {
-        Ok(_slot) => tokio::task::spawn_blocking(move || shared.model.evaluate(&sample, &accuracy)).await,
+    let evaluated = match state.1.acquire().await {
+        Ok(_slot) => tokio::task::spawn_blocking(move || shared.0.evaluate(&sample, &accuracy)).await,
         Err(closed) => return reply::<()>(Err(failed(closed.to_string()))),
     };
     // A panic is a defect of the program at this sample; the server keeps running.

@@ -43,14 +43,12 @@ pub(super) struct LaneGroup<S: Simd> {
 }
 
 /// Rounds until a lane stops, compiled for the instruction set of the lanes.
-struct Rounds<'a, S: Simd>(&'a mut LaneGroup<S>);
-
-impl<S: Simd> Vectorised for Rounds<'_, S> {
+impl<S: Simd> Vectorised for &mut LaneGroup<S> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let group = self.0;
+        let group = self;
         loop {
             let LaneGroup { island_lanes, stepper, contacts, occupants, .. } = group;
             stepper.try_steps(island_lanes);
@@ -99,7 +97,7 @@ impl<S: Simd> Group for LaneGroup<S> {
     }
 
     fn run(&mut self) -> usize {
-        run_in(self.simd, Rounds(self));
+        run_in(self.simd, &mut *self);
         self.take_stopped()
     }
 }
