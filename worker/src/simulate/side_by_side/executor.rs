@@ -149,12 +149,9 @@ impl LanePool {
             let waiting = 1 + queue.count(|span| same_topology(&first.state.island, &span.state.island));
             // Empty groups of other topologies make room.
             self.groups.retain(|(group, _)| group.occupied() > 0);
-            match self.width.for_waiting(waiting).vectors() {
-                Some(vectors) => self.groups.push((vectors.open(first), 0)),
-                None => {
-                    integrate_alone(first);
-                    alone += 1;
-                }
+            match self.width.for_waiting(waiting).open(first, integrate_alone) {
+                Some(group) => self.groups.push((group, 0)),
+                None => alone += 1,
             }
             self.groups.iter_mut().for_each(|(group, _)| group.fill(queue));
         }
