@@ -60,7 +60,7 @@ pub struct Foundation<R = f64, A = Arc> {
 /// The law of one joint with a worn journal.
 pub type FoundationWithJournal<'a> = Foundation<f64, RotatedArc<'a>>;
 
-/// Load that the foundation carries at one eccentricity.
+/// Load that the foundation carries at one eccentricity of a journal, whose angle alpha matters if it is worn.
 #[derive(Debug, Clone, Copy)]
 pub struct FoundationLoad<R = f64> {
     /// Potential U [J].
@@ -69,25 +69,19 @@ pub struct FoundationLoad<R = f64> {
     pub force: [R; 2],
     /// Its derivative to e, entries xx, xy, yy [N/m].
     pub stiffness: [R; 3],
-}
-
-/// Load of the foundation on a journal, whose angle alpha matters if it is worn.
-struct RotatedLoad<R> {
-    /// Potential, force and their derivatives to e.
-    to_e: FoundationLoad<R>,
     /// M = dU/dalpha [N m], and its derivatives to e `(2,)` [N] and alpha [N m]; zero for a round journal.
     moment: R,
     moment_e: [R; 2],
     moment_alpha: R,
 }
 
-impl<R: Real> RotatedLoad<R> {
+impl<R: Real> FoundationLoad<R> {
     /// Sets the derivatives to zero where there is no contact.
     #[inline(always)]
     fn keep_where(&mut self, touches: R::Mask) {
         let nothing = self.moment.zero();
         for k in 0..3 {
-            self.to_e.stiffness[k] = R::select(touches, self.to_e.stiffness[k], nothing);
+            self.stiffness[k] = R::select(touches, self.stiffness[k], nothing);
         }
         for k in 0..2 {
             self.moment_e[k] = R::select(touches, self.moment_e[k], nothing);
@@ -143,7 +137,7 @@ impl Foundation {
     /// Elastic potential, force and stiffness at the eccentricity `e` [m] of a round journal.
     #[inline(always)]
     pub(crate) fn load(&self, e: [f64; 2]) -> FoundationLoad {
-        self.rotated_load::<true>(e, 0.0).to_e
+        self.rotated_load::<true>(e, 0.0)
     }
 }
 
@@ -151,7 +145,7 @@ impl FoundationWithJournal<'_> {
     /// Potential, force and stiffness to e at the eccentricity `e` [m] with the journal turned by `alpha` [rad].
     #[inline(always)]
     pub(crate) fn load_at(&self, e: [f64; 2], alpha: f64) -> FoundationLoad {
-        self.carried::<true>(&self.arc.integrals::<false>(e, alpha)).to_e
+        self.carried::<true>(&self.arc.integrals::<false>(e, alpha))
     }
 
     /// Half the angle over which the contact extends at the eccentricity `e` [m] with the journal turned by `alpha` [rad].
@@ -164,14 +158,13 @@ impl FoundationWithJournal<'_> {
 impl<A: Arcs<f64>> Foundation<f64, A> {
     /// The elastic part of the contact.
     fn elastic_part(&self, motion: &JointMotion) -> [f64; 3] {
-        let load = self.rotated_load::<true>(motion.e, motion.turn);
-        let FoundationLoad { energy, force, .. } = load.to_e;
+        let FoundationLoad { energy, force, moment, .. } = self.rotated_load::<true>(motion.e, motion.turn);
         let size = libm::hypot(force[0], force[1]);
         if size <= 0.0 {
             return [0.0; 3];
         }
         let spin = motion.omega_journal - motion.omega_bushing;
-        let power = dot(force, in_bushing_frame(motion)) + load.moment * spin;
+        let power = dot(force, in_bushing_frame(motion)) + moment * spin;
         [energy, size, power / size]
     }
 }
@@ -179,13 +172,13 @@ impl<A: Arcs<f64>> Foundation<f64, A> {
 impl<R: Real, A: Arcs<R>> Foundation<R, A> {
     /// Potential, force and moment at the eccentricity `e` [m] with the journal turned by `alpha` [rad]; their derivatives only if `SECOND`.
     #[inline(always)]
-    fn rotated_load<const SECOND: bool>(&self, e: [R; 2], alpha: R) -> RotatedLoad<R> {
+    fn rotated_load<const SECOND: bool>(&self, e: [R; 2], alpha: R) -> FoundationLoad<R> {
         self.carried::<SECOND>(&self.arc.integrate::<SECOND>(e, alpha))
     }
 
     /// The load with these integrals over the arc in contact.
     #[inline(always)]
-    fn carried<const SECOND: bool>(&self, integrals: &RotatedIntegrals<R>) -> RotatedLoad<R> {
+    fn carried<const SECOND: bool>(&self, integrals: &RotatedIntegrals<R>) -> FoundationLoad<R> {
         let RotatedIntegrals { to_e: sum, t, et, tt } = *integrals;
         let ([energy, modulus, growth], [px, py]) = (self.modulus.potential(sum.v), sum.p);
         let mut stiffness = sum.d;
@@ -194,12 +187,14 @@ impl<R: Real, A: Arcs<R>> Foundation<R, A> {
                 stiffness[k] = modulus * sum.d[k] + growth * product;
             }
         }
-        let to_e = FoundationLoad { energy, force: [modulus * px, modulus * py], stiffness };
+        let force = [modulus * px, modulus * py];
         if !A::JOURNAL {
-            return RotatedLoad { to_e, moment: t, moment_e: et, moment_alpha: tt };
+            return FoundationLoad { energy, force, stiffness, moment: t, moment_e: et, moment_alpha: tt };
         }
-        RotatedLoad {
-            to_e,
+        FoundationLoad {
+            energy,
+            force,
+            stiffness,
             moment: modulus * t,
             moment_e: [modulus * et[0] + growth * px * t, modulus * et[1] + growth * py * t],
             moment_alpha: modulus * tt + growth * t * t,
@@ -222,12 +217,12 @@ impl<R: Real, A: FreeArcs<R>> Foundation<R, A> {
         let mut loaded = self.rotated_load::<JACOBIAN>(e, turn);
         let nothing = e[0].zero();
         let one = nothing.like(1.0);
-        let size = length(loaded.to_e.force);
+        let size = length(loaded.force);
         let pressed = nothing.below(size);
         let per_elastic = one / R::select(pressed, size, one);
         let n = [
-            R::select(pressed, loaded.to_e.force[0] * per_elastic, one),
-            R::select(pressed, loaded.to_e.force[1] * per_elastic, nothing),
+            R::select(pressed, loaded.force[0] * per_elastic, one),
+            R::select(pressed, loaded.force[1] * per_elastic, nothing),
         ];
         let t = left(n);
         let (en, et) = (dot(e, n), dot(e, t));
@@ -271,7 +266,7 @@ impl<R: Real, A: FreeArcs<R>> Foundation<R, A> {
         }
         // Derivative of (force, torques) without the film to (e, w, omega_i, omega_j), and with a worn journal to alpha, in the axes (n, t).
         loaded.keep_where(touches);
-        let [xx, xy, yy] = loaded.to_e.stiffness;
+        let [xx, xy, yy] = loaded.stiffness;
         let (kn, kt) =
             ([xx * n[0] + xy * n[1], xy * n[0] + yy * n[1]], [xx * t[0] + xy * t[1], xy * t[0] + yy * t[1]]);
         // Columns in the axes (n, t): e along n, e along t, w along n, w along t, omega_i, omega_j, alpha. The elastic force depends on the
