@@ -21,7 +21,7 @@
 use super::closure::Closure;
 use super::{Pose, Prescribed};
 use crate::plane::{dot, left};
-use common::scene::{HeldInput, JointKind, OutputKind, Scene};
+use common::scene::{HeldInput, Joint, JointKind, OutputKind, Scene};
 use nalgebra::DVector;
 use std::f64::consts::{PI, TAU};
 
@@ -71,13 +71,7 @@ fn influence(scene: &Scene, closure: &Closure, pose: &Pose, sought: &OutputKind)
                 found.joints.push((index, along, journal.angle - bushing.angle));
             }
             JointKind::Guide(guide) if guide.wear_coefficients() != [0.0; 2] => {
-                let [slider, rail] = [&joint.journal, &joint.bushing].map(|at| {
-                    let frame = closure.frame(at.body, t, &q);
-                    (frame, frame.point(scene.arm(at)))
-                });
-                let (sin, cos) = libm::sincos(guide.axis);
-                let along = rail.0.turn([cos, sin]);
-                let s = dot(along, [0, 1].map(|k| slider.1[k] - rail.1[k]));
+                let s = place_in_guide(closure, joint, guide.axis, (t, &q));
                 found.worn_guides.push((index, [of_joint[0], of_joint[1]], s));
             }
             JointKind::Guide(guide) => {
@@ -88,6 +82,24 @@ fn influence(scene: &Scene, closure: &Closure, pose: &Pose, sought: &OutputKind)
         }
     }
     Some(found)
+}
+
+/// Position of the middle of the slider of a `joint` along the `axis` of its guide [rad], from the point of the guide [m].
+fn place_in_guide(closure: &Closure, joint: &Joint, axis: f64, (t, q): (f64, &DVector<f64>)) -> f64 {
+    let [slider, rail] = [&joint.journal, &joint.bushing].map(|at| {
+        let frame = closure.frame(at.body, t, q);
+        (frame, frame.point(closure.scene.arm(at)))
+    });
+    let (sin, cos) = libm::sincos(axis);
+    let along = rail.0.turn([cos, sin]);
+    dot(along, [0, 1].map(|k| slider.1[k] - rail.1[k]))
+}
+
+/// That position in each of these poses of the mechanism with ideal joints [m].
+pub(crate) fn places_in_guide(scene: &Scene, joint: &Joint, axis: f64, poses: &[Pose]) -> Vec<f64> {
+    let closure = Closure::new(scene);
+    let place = |pose: &Pose| place_in_guide(&closure, joint, axis, (pose.time, &closure.joined(&pose.q)));
+    poses.iter().map(place).collect()
 }
 
 /// Positions of the ideal mechanism in which a driven body has the angle of `held`, found between neighbours of the `poses` of a cycle;

@@ -48,7 +48,7 @@ pub use extent::local_origin;
 pub(crate) use extent::moved_to_origin;
 pub use frame::{End, Frame, TimedState};
 pub use guide::Guide;
-pub(crate) use influence::{Influence, held_poses, influences};
+pub(crate) use influence::{Influence, held_poses, influences, places_in_guide};
 pub use island::Island;
 pub(crate) use lanes::{IslandLanes, same_topology};
 pub(crate) use load::external_moment;

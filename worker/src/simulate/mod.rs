@@ -69,7 +69,7 @@ use cycle_history::{FirstCycle, finish};
 use failures::Simulated;
 use life_in_blocks::{DynamicCycles, simulate_life};
 use quasi_static::try_quasi_static;
-use run::{Run, WornDisplay};
+use run::Run;
 pub(crate) use side_by_side::widest_lanes;
 use side_by_side::{LaneQueue, RunningEvaluation, join, run_alone, run_side_by_side};
 use std::time::Duration;
@@ -166,7 +166,7 @@ async fn simulate_stages(
             runs[0].counts.add(counts);
             runs[0].simulated += cycles;
         }
-        runs.iter_mut().for_each(|run| run.display = options.first_cycle.then(WornDisplay::default));
+        runs.iter_mut().for_each(|run| run.display = options.first_cycle.then(Default::default));
         if !scene.control_points_of_model || options.first_cycle {
             runs[0].start_comparing_finer();
         }

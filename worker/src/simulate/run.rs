@@ -54,15 +54,9 @@ pub struct Run<'a> {
     pub points_errors: Vec<PointsError>,
     /// How the motion repeats itself.
     pub repetition: Repetition,
-    /// What is displayed of the worn mechanism, if anything is.
-    pub display: Option<WornDisplay>,
-}
-
-/// Energy of the last cycle, bores through life and the last cycle itself, as far as they have been reached.
-#[derive(Clone, Default)]
-pub struct WornDisplay {
-    pub energy: Option<EnergyBalance>,
-    pub life: Option<WornLife>,
+    /// What is displayed of the worn mechanism, if anything is: energy of the last cycle, bores through life and the last cycle itself, as far as they
+    /// have been reached.
+    pub display: Option<(Option<EnergyBalance>, Option<WornLife>)>,
 }
 
 /// Points per cycle of a path on the ideal mechanism; a cubic between two of them has a relative error of some 1e-11.
@@ -250,9 +244,9 @@ impl<'a> Run<'a> {
         self.start_full_recording();
         self.next_settled_cycle().await?;
         let (energy, history) = (self.energy(), self.cycle_history());
-        let display = self.display.get_or_insert_default();
-        display.energy = Some(energy);
-        display.life.get_or_insert_default().last_cycle = Some(history);
+        let (balance, life) = self.display.get_or_insert_default();
+        *balance = Some(energy);
+        life.get_or_insert_default().last_cycle = Some(history);
         self.stop_full_recording();
         Ok(())
     }
@@ -275,7 +269,7 @@ impl<'a> Run<'a> {
             return;
         }
         let depths = self.depths().into_iter().map(|[bore, _]| bore).collect();
-        let worn = self.display.get_or_insert_default().life.get_or_insert_default();
+        let worn = self.display.get_or_insert_default().1.get_or_insert_default();
         worn.cycles.push(life);
         worn.wear_depth.push(depths);
     }
