@@ -103,14 +103,11 @@ pub(crate) fn failure(
     island: &Island,
     scene: &Scene,
 ) -> SimulationFailure {
-    let name = |joint: usize| {
-        island.contacts().nth(joint).map_or_else(String::new, |joint| scene.joints[joint].name.clone())
-    };
+    let named = |joint: usize| scene.joints[joint].name.clone();
+    let name = |joint: usize| island.contacts().nth(joint).map_or_else(String::new, named);
     // Without contact the friction of ideal joints may be what makes steps short.
-    let rubbing = || {
-        let joint = island.ideal.constraints.iter().find(|c| c.friction.is_some())?;
-        Some(scene.joints[joint.scene_joint].name.clone())
-    };
+    let rubbing =
+        || island.ideal.constraints.iter().find(|c| c.friction.is_some()).map(|c| named(c.scene_joint));
     match error {
         IntegrationError::StepTooSmall { time, step, error, joint } => {
             let joint = joint.map(name).or_else(rubbing);
@@ -133,10 +130,10 @@ pub(crate) fn failure(
         }
         IntegrationError::Singular(time) => SimulationFailure::Singular { cycle, time },
         IntegrationError::Branching { time, joint } => {
-            SimulationFailure::Branching { cycle, time, joint: scene.joints[joint].name.clone() }
+            SimulationFailure::Branching { cycle, time, joint: named(joint) }
         }
         IntegrationError::SelfLocking { time, joint } => {
-            let joint = scene.joints[island.ideal.constraints[joint].scene_joint].name.clone();
+            let joint = named(island.ideal.constraints[joint].scene_joint);
             SimulationFailure::SelfLocking { cycle, time, joint }
         }
         IntegrationError::NotFinite(time) => {

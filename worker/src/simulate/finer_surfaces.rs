@@ -2,7 +2,7 @@
 //! four times the points.
 //!
 //! The two surfaces have worn under the contacts of the same cycles (`wear/finer_bore.rs`); the cycle on them starts where the measured
-//! one did. The error that follows from the outputs of the three: `finer_cycles.rs`.
+//! one did. The error that follows from the outputs of the three: `probe.rs`.
 //!
 //! The cycles are compared where others are probed (`probe.rs`), and before where an output has moved.
 

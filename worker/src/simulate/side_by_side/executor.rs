@@ -149,7 +149,7 @@ impl LanePool {
             let waiting = 1 + queue.count(|span| same_topology(&first.state.island, &span.state.island));
             // Empty groups of other topologies make room.
             self.groups.retain(|(group, _)| group.occupied() > 0);
-            match self.width.for_waiting(waiting).open(first, integrate_alone) {
+            match self.width.open((waiting, first), integrate_alone) {
                 Some(group) => self.groups.push((group, 0)),
                 None => alone += 1,
             }

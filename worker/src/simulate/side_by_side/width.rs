@@ -23,22 +23,22 @@ pub enum LaneWidth {
 }
 
 impl LaneWidth {
-    /// The width of a group for this number of islands that wait.
-    pub(super) fn for_waiting(self, islands: usize) -> Self {
-        if self == LaneWidth::Fitting { LaneWidth::Holding(islands) } else { self }
-    }
-
-    /// Opens a group in vectors of this width with its first island. `None` where that is integrated by itself, which `alone` does: without company, or on a
+    /// Opens a group in vectors of this width with the first of this number of islands that wait. `None` where that is integrated by itself, which `alone` does: without company, or on a
     /// processor without vectors. Unit tests leave out AVX-512, which is a third of their compilation; the tests of whole evaluations have it.
-    pub(super) fn open(self, first: PendingSpan, alone: impl FnOnce(PendingSpan)) -> Option<Box<dyn Group>> {
+    pub(super) fn open(
+        self,
+        (waiting, first): (usize, PendingSpan),
+        alone: impl FnOnce(PendingSpan),
+    ) -> Option<Box<dyn Group>> {
+        let width = if self == LaneWidth::Fitting { LaneWidth::Holding(waiting) } else { self };
         #[cfg(all(target_arch = "x86_64", not(test)))]
-        if !matches!(self, LaneWidth::Holding(..=4))
+        if !matches!(width, LaneWidth::Holding(..=4))
             && let Some(simd) = V4::try_new()
         {
             return Some(Box::new(LaneGroup::new(simd, first)));
         }
         #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
-        if !matches!(self, LaneWidth::Holding(..=1))
+        if !matches!(width, LaneWidth::Holding(..=1))
             && let Some(simd) = Narrowest::try_new()
         {
             return Some(Box::new(LaneGroup::new(simd, first)));
