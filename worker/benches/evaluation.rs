@@ -95,7 +95,7 @@ fn unworn_cycles(bencher: Bencher, preset: &str) {
             clearance.wear_coefficient = 0.0;
         }
     }
-    let steps = simulate_counted(&scene, &accuracy, SimulateOptions::default()).steps_tried;
+    let steps = simulate_counted(&scene, &accuracy, SimulateOptions::default()).1;
     bencher
         .counter(ItemsCount::new(steps))
         .bench_local(|| simulate(black_box(&scene), &accuracy, SimulateOptions::default()));
@@ -106,7 +106,7 @@ fn unworn_cycles(bencher: Bencher, preset: &str) {
 fn evaluation(bencher: Bencher, preset: &str) {
     let accuracy = Accuracy::by_name(preset).expect("a preset");
     let scene = flapping_wing();
-    let steps = simulate_counted(&scene, &accuracy, SimulateOptions::default()).steps_tried;
+    let steps = simulate_counted(&scene, &accuracy, SimulateOptions::default()).1;
     bencher
         .counter(ItemsCount::new(steps))
         .bench_local(|| simulate(black_box(&scene), &accuracy, SimulateOptions::default()));

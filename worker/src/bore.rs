@@ -37,19 +37,6 @@ pub struct Radius<R = f64> {
     pub d2: R,
 }
 
-/// A bore, or one bore per lane.
-pub trait Bore<R: Real> {
-    /// Radius and derivatives at angle `psi` in (-2 pi, 2 pi) [rad].
-    fn radius_at(&self, psi: R) -> Radius<R>;
-}
-
-impl Bore<f64> for Profile {
-    #[inline(always)]
-    fn radius_at(&self, psi: f64) -> Radius {
-        Profile::radius_at(self, psi)
-    }
-}
-
 /// A bore with a wear profile.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile {
@@ -247,11 +234,10 @@ impl Bores {
     pub(crate) fn set(&mut self, lane: usize, profile: &Profile) {
         self.cubics[lane * self.points..][..self.points].copy_from_slice(&profile.cubic);
     }
-}
 
-impl<R: Real> Bore<R> for Bores {
+    /// Radius and derivatives at angle `psi` in (-2 pi, 2 pi) [rad], of one bore per lane.
     #[inline(always)]
-    fn radius_at(&self, psi: R) -> Radius<R> {
+    pub(crate) fn radius_at<R: Real>(&self, psi: R) -> Radius<R> {
         look_up(psi, self.points, self.per_radian, &self.cubics)
     }
 }

@@ -1,6 +1,5 @@
 //! The `worker` command: runs simulations of a coordinator on this machine.
 
-mod shell;
 mod signals;
 
 use clap::{CommandFactory, Parser};
@@ -9,6 +8,7 @@ use common::accuracy::NamedAccuracy;
 use common::panics::end_process_on_panic;
 use common::scene::{Faults, SceneSource};
 use signals::{INTERRUPTED, Signals};
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -16,12 +16,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use thiserror::Error;
 use tracing_subscriber::EnvFilter;
-use worker::log::{self, LogOptions};
+use worker::log;
 use worker::own_simulators::{self, OfferError, OwnSimulators};
 use worker::serve_cycle;
 use worker::service::{self, Departure, ServiceConfig, ServiceError, Simulator};
 use worker::simulator::simulator;
-use worker::umbridge::{self, Access, Model, NAME, Server, UmBridgeError};
+use worker::umbridge::{self, Model, NAME, Server, UmBridgeError};
 
 const FAILURE: u8 = 1;
 const BAD_INPUT: u8 = 2;
@@ -136,8 +136,8 @@ fn main() -> ExitCode {
     );
     let arguments = Arguments::parse();
     let printed = match arguments.completions {
-        Some(shell) => Some(shell::print_completions(Arguments::command(), shell)),
-        None => arguments.man.then(|| shell::print_manual(Arguments::command())),
+        Some(shell) => Some(print_completions(Arguments::command(), shell)),
+        None => arguments.man.then(|| print_manual(Arguments::command())),
     };
     if let Some(printed) = printed {
         return match printed {
@@ -200,8 +200,7 @@ fn slots(arguments: &Arguments) -> usize {
 
 /// Serves evaluations by the UM-Bridge protocol until a signal arrives.
 fn serve_umbridge(given: &str, arguments: &Arguments) -> Result<ExitCode, CommandError> {
-    let access = if arguments.insecure { Access::AnyMachine } else { Access::ThisMachine };
-    let address = umbridge::address(given, access)?;
+    let address = umbridge::address(given, arguments.insecure)?;
     let source = SceneSource::load(arguments.scene.as_deref().unwrap_or(DEFAULT_SCENE))?;
     if source.nominal().simulator.is_some() {
         return Err(UmBridgeError::NoMechanism(source.origin().to_owned()).into());
@@ -300,5 +299,28 @@ fn start_log(verbose: u8, quiet: bool, format: log::Format) {
         (_, 1) => "debug,zenoh=warn,rustls=info",
         _ => "trace,zenoh=debug",
     };
-    log::start(LogOptions { levels, variable: EnvFilter::DEFAULT_ENV, format, with_module: false });
+    log::start(levels, EnvFilter::DEFAULT_ENV, format, false);
+}
+
+/// Name of the program, as shells know it.
+const PROGRAM: &str = "worker";
+
+/// Prints the completions of a command line for a shell.
+///
+/// # Errors
+/// The error of standard output.
+fn print_completions(mut command: clap::Command, shell: Shell) -> std::io::Result<()> {
+    let mut script = Vec::new();
+    clap_complete::generate(shell, &mut command, PROGRAM, &mut script);
+    std::io::stdout().write_all(&script)
+}
+
+/// Prints the manual page of a command line.
+///
+/// # Errors
+/// The error of standard output.
+fn print_manual(command: clap::Command) -> std::io::Result<()> {
+    let mut page = Vec::new();
+    clap_mangen::Man::new(command).render(&mut page)?;
+    std::io::stdout().write_all(&page)
 }

@@ -34,9 +34,8 @@ fn survive(text: &str) -> End {
     scene.life.cycles = scene.life.checkpoint_every;
     scene.life.settle_cycles = scene.life.settle_cycles.min(1);
     let accuracy = Accuracy { steps_bound: STEPS_BOUND, ..Accuracy::draft() };
-    let found = simulate_counted(&scene, &accuracy, SimulateOptions::WITH_FIRST_CYCLE);
-    let steps = found.steps_tried;
-    let end = match found.result {
+    let (result, steps) = simulate_counted(&scene, &accuracy, SimulateOptions::WITH_FIRST_CYCLE);
+    let end = match result {
         Ok(evaluation) => {
             let numbers = evaluation.histories.iter().chain(&evaluation.errors).flatten();
             assert!(numbers.clone().all(|x| x.is_finite()), "{evaluation:?}\n{text}");

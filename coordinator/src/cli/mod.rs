@@ -56,7 +56,7 @@ use shared::{FarmArguments, Verbosity, positive, probability, seed, share, value
 use std::process::ExitCode;
 use stored_study::{OpenedStudy, StoredStudy, failed, known_outcomes, stored_correction, summary_of};
 use study_options::RunArguments;
-use worker::log::{self, LogOptions};
+use worker::log;
 
 /// Environment variable that overrides the log levels, in the syntax of `tracing`.
 const LOG_VARIABLE: &str = "HINGEWISE_LOG";
@@ -142,6 +142,5 @@ fn start_log(verbosity: Verbosity) {
         (false, 1) => "info,zenoh=warn",
         (false, _) => "debug,zenoh=info,rustls=info",
     };
-    let (variable, format) = (LOG_VARIABLE, verbosity.log_format);
-    log::start(LogOptions { levels, variable, format, with_module: true });
+    log::start(levels, LOG_VARIABLE, verbosity.log_format, true);
 }

@@ -21,15 +21,13 @@ const LAWS: [&str; 13] = [
 
 /// Files of these folders without a formula: what they hold instead. A new file belongs here only if it computes
 /// nothing that a reader would look up in a book.
-const NO_LAW: [(&str, &str); 10] = [
+const NO_LAW: [(&str, &str); 8] = [
     ("common/src/random/mod.rs", "list of modules"),
     ("common/src/random/distribution.rs", "dispatch to the distributions"),
     ("common/src/random/distribution/constant.rs", "one value with probability one"),
-    ("worker/src/contact/joint_force.rs", "motion and force of a joint as data"),
     ("worker/src/integrate/mod.rs", "interface of a system and list of modules"),
     ("worker/src/integrate/stepper.rs", "loop over the steps of `rosenbrock.rs`"),
     ("worker/src/integrate/lane_stepper.rs", "loop over the steps of `rosenbrock.rs`"),
-    ("worker/src/quasi_static/unsuitable.rs", "reasons as an enumeration"),
     ("worker/src/wear/mod.rs", "list of modules"),
     ("coordinator/statistics/src/surrogate/form.rs", "names of kernel and trend"),
 ];

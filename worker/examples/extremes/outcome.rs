@@ -79,15 +79,14 @@ pub fn run(case: &Case) -> Row {
         steps: 0,
         steps_of_half: 0,
     };
-    let CountedEvaluation { result, steps_tried } = simulate_guarded(&case.scene, &case.accuracy);
+    let (result, steps_tried) = simulate_guarded(&case.scene, &case.accuracy);
     row.steps = steps_tried;
     let whole = match result {
         Ok(evaluation) => evaluation,
         Err(failure) => return Row { outcome: Outcome::Refused(failure), ..row },
     };
     row.depth = whole.joints.iter().flat_map(|j| j.wear_depth.iter().copied()).reduce(f64::max);
-    let CountedEvaluation { result, steps_tried } =
-        simulate_guarded(&case.scene, &case.accuracy.refined(2.0));
+    let (result, steps_tried) = simulate_guarded(&case.scene, &case.accuracy.refined(2.0));
     row.steps_of_half = steps_tried;
     match result {
         Err(failure) => row.outcome = Outcome::Unconfirmed(failure),
@@ -128,8 +127,7 @@ pub fn run_all(cases: &[Case], threads: usize, done: impl Fn(&Row) + Sync) -> Ve
 fn simulate_guarded(scene: &Scene, accuracy: &Accuracy) -> CountedEvaluation {
     let counted = || simulate_counted(scene, accuracy, SimulateOptions::default());
     let failed = |message| SimulationFailure::Panicked { message };
-    caught(counted)
-        .unwrap_or_else(|message| CountedEvaluation { result: Err(failed(message)), steps_tried: 0 })
+    caught(counted).unwrap_or_else(|message| (Err(failed(message)), 0))
 }
 
 /// Every output at the checkpoint where the two runs differ most, relative to the stated error.

@@ -14,7 +14,7 @@
 //! # Source
 //! Derived here, for the Winkler foundation of `foundation.rs` (Winkler 1867; Johnson 1985).
 
-use super::integrals::{Integrals, RotatedIntegrals, UnitIntegrals, Weights};
+use super::integrals::{Integrals, RotatedIntegrals, UnitIntegrals, weights};
 use super::segment::{GROUP, Segment, Segmentes};
 use crate::bore::{Profile, Radius};
 use crate::extremum::smallest;
@@ -48,11 +48,15 @@ pub trait Arcs<R: Real> {
     /// Integrals over the arc in contact at the eccentricity `e` [m] with the journal turned by `alpha` [rad]; the second derivatives only if
     /// `SECOND`.
     fn integrate<const SECOND: bool>(&self, e: [R; 2], alpha: R) -> RotatedIntegrals<R>;
-    /// Penetration in free flight, not above zero [m]; zero where `touches` is above zero.
-    fn free_penetration(&self, e: [R; 2], alpha: R, touches: R) -> R;
-    /// Direction in which the journal is nearest to the bore at the eccentricity `e` [m], which is not zero `(2,)` [1], and the derivative of
-    /// the gap to alpha there [m/rad]; zeros where `penetration` is above zero.
-    fn nearest_free(&self, e: [R; 2], alpha: R, penetration: R) -> ([R; 2], R);
+}
+
+/// One pair per lane, also in free flight.
+pub trait FreeArcs<R: Real>: Arcs<R> {
+    /// Penetration of a lane in free flight at the eccentricity `e` [m] with the journal turned by `alpha` [rad], not above zero [m].
+    fn free_penetration(&self, lane: usize, e: [f64; 2], alpha: f64) -> f64;
+    /// Direction in which the journal of a lane is nearest to the bore at the eccentricity `e` [m], which is not zero `(2,)` [1], and the
+    /// derivative of the gap to alpha there [m/rad]; zeros for an idle lane, which has no bore.
+    fn nearest(&self, lane: usize, e: [f64; 2], alpha: f64) -> ([f64; 2], f64);
     /// Radius of the worn journal at the angle `chi` in its own body, within half a turn of zero [rad]; that of a round one is the joint's.
     fn journal(&self, chi: R) -> Radius<R> {
         Radius { r: chi.zero(), d1: chi.zero(), d2: chi.zero() }
@@ -117,14 +121,7 @@ impl Arc {
     /// Direction in which the gap function is largest, that is of first contact `(2,)` [1].
     pub(crate) fn nearest(&self, e: [f64; 2]) -> [f64; 2] {
         let n = self.radius.len();
-        let gap = |k: usize| dot(e, self.direction[k % n]) - self.radius[k % n];
-        let nearest = (0..n).fold(0, |best, k| if gap(k) > gap(best) { k } else { best });
-        // The peak of the parabola through three neighbours.
-        let (before, at, after) = (gap(nearest + n - 1), gap(nearest), gap(nearest + 1));
-        let bend = before - 2.0 * at + after;
-        let offset = if bend < 0.0 { 0.5 * (before - after) / bend } else { 0.0 };
-        let (s, c) = libm::sincos(TAU * (nearest as f64 + offset) / n as f64);
-        [c, s]
+        peak(n, |k| dot(e, self.direction[k % n]) - self.radius[k % n]).1
     }
 
     /// Gap function g at table angle `k` [m].
@@ -151,13 +148,12 @@ impl Arc {
         // Segmentes wholly in contact under way: the first, and the one after the last.
         let (mut first, mut end) = (0, 0);
         for g in 0..segmentes.groups.len() {
-            let touched = segmentes.groups[g].touched(e, segmentes.widening, 0.0);
-            let mut rest = touched.any;
+            let [mut rest, whole_segmentes] = segmentes.groups[g].touched(e, segmentes.widening, 0.0);
             while rest != 0 {
                 let i = rest.trailing_zeros();
                 rest &= rest - 1;
                 let s = g * GROUP + i as usize;
-                if (touched.whole >> i) & 1 == 0 {
+                if (whole_segmentes >> i) & 1 == 0 {
                     add_partly(&mut sum, e, &segmentes.each[s]);
                 } else if s == end {
                     end += 1;
@@ -182,13 +178,13 @@ impl Arc {
         mut other: impl FnMut([f64; 2], [[f64; 2]; 2]),
     ) {
         for g in 0..self.segmentes.groups.len() {
-            let touched = self.segmentes.groups[g].touched(e, self.segmentes.widening, margin);
-            let mut rest = touched.any;
+            let [mut rest, whole_segmentes] =
+                self.segmentes.groups[g].touched(e, self.segmentes.widening, margin);
             while rest != 0 {
                 let i = rest.trailing_zeros();
                 rest &= rest - 1;
                 let segment = &self.segmentes.each[g * GROUP + i as usize];
-                if (touched.whole >> i) & 1 == 1 {
+                if (whole_segmentes >> i) & 1 == 1 {
                     whole.add_whole(segment.relative_to_centre(e), segment.sums[segment.intervals]);
                     continue;
                 }
@@ -233,6 +229,17 @@ impl Arc {
     }
 }
 
+/// Where the function `gap` of the number of `n` equal angles, up to twice as many, is largest: the number of the angle, the direction of the peak of the
+/// parabola through it and its neighbours `(2,)` [1], and how far that is from the angle [intervals].
+pub(super) fn peak(n: usize, gap: impl Fn(usize) -> f64) -> (usize, [f64; 2], f64) {
+    let nearest = (0..n).fold(0, |best, k| if gap(k) > gap(best) { k } else { best });
+    let (before, at, after) = (gap(nearest + n - 1), gap(nearest), gap(nearest + 1));
+    let bend = before - 2.0 * at + after;
+    let offset = if bend < 0.0 { 0.5 * (before - after) / bend } else { 0.0 };
+    let (s, c) = libm::sincos(TAU * (nearest as f64 + offset) / n as f64);
+    (nearest, [c, s], offset)
+}
+
 /// Adds the integrals of a segment of which each interval has to be looked at.
 #[inline(always)]
 fn add_partly(sum: &mut Integrals, e: [f64; 2], segment: &Segment) {
@@ -244,7 +251,7 @@ fn add_partly(sum: &mut Integrals, e: [f64; 2], segment: &Segment) {
         ends &= ends - 1;
         let ((u, from), (v, to)) = (segment.angle(i), segment.angle(i + 1));
         let (a, b) = (dot(e, u) - from, dot(e, v) - to);
-        sum.add([a, b], &Weights::new(a, b), u, v);
+        sum.add([a, b], weights(a, b), u, v);
     }
 }
 
@@ -267,17 +274,6 @@ impl Arcs<f64> for Arc {
     fn integrate<const SECOND: bool>(&self, e: [f64; 2], _alpha: f64) -> RotatedIntegrals {
         RotatedIntegrals::round(Arc::integrate(self, e))
     }
-
-    #[inline(always)]
-    fn free_penetration(&self, e: [f64; 2], _alpha: f64, touches: f64) -> f64 {
-        if touches <= 0.0 { Arc::free_penetration(self, e) } else { 0.0 }
-    }
-
-    #[inline(always)]
-    fn nearest_free(&self, e: [f64; 2], _alpha: f64, penetration: f64) -> ([f64; 2], f64) {
-        // An idle lane has no bore.
-        (if penetration > 0.0 || self.radius.is_empty() { [0.0; 2] } else { self.nearest(e) }, 0.0)
-    }
 }
 
 #[cfg(test)]
@@ -292,7 +288,7 @@ mod tests {
             let next = (k + 1) % n;
             let (a, b) = (arc.gap(e, k), arc.gap(e, next));
             if a > 0.0 || b > 0.0 {
-                sum.add([a, b], &Weights::new(a, b), arc.direction[k], arc.direction[next]);
+                sum.add([a, b], weights(a, b), arc.direction[k], arc.direction[next]);
             }
         }
         UnitIntegrals { sums: sum, extent: sum.d[0] + sum.d[2] }.scaled(TAU / n as f64)

@@ -19,33 +19,17 @@ const ENOUGH: usize = 16;
 const SMALLER: f64 = 0.125;
 const SIZES: usize = 3;
 
-/// An interval about the end of an arc; in lanes where there is none it touches nothing.
-#[derive(Debug, Clone, Copy)]
-struct EndInterval<R> {
-    /// Unit vectors at both ends of the interval `(2,)` each [1].
-    u: [R; 2],
-    v: [R; 2],
-    /// Gaps there at the centre of the cell [m].
-    a: R,
-    b: R,
-}
+/// An interval about the end of an arc: unit vectors at both ends of it `(2, 2)` [1], and the gaps there at the centre of the cell [m]; in lanes where there is
+/// none it touches nothing.
+type EndInterval<R> = ([[R; 2]; 2], [R; 2]);
 
-impl<R: Real> EndInterval<R> {
-    /// No interval in any lane.
-    #[inline(always)]
-    fn none(like: R) -> Self {
-        let (zero, free) = (like.zero(), like.like(-1.0));
-        EndInterval { u: [zero; 2], v: [zero; 2], a: free, b: free }
-    }
-
-    /// Replaces the interval of a lane.
-    #[inline(always)]
-    fn set_lane(&mut self, lane: usize, [a, b]: [f64; 2], [u, v]: [[f64; 2]; 2]) {
-        self.a.set_lane(lane, a);
-        self.b.set_lane(lane, b);
-        for k in 0..2 {
-            self.u[k].set_lane(lane, u[k]);
-            self.v[k].set_lane(lane, v[k]);
+/// Replaces the interval of a lane.
+#[inline(always)]
+fn set_lane<R: Real>(end: &mut EndInterval<R>, lane: usize, gaps: [f64; 2], directions: [[f64; 2]; 2]) {
+    for k in 0..2 {
+        end.1[k].set_lane(lane, gaps[k]);
+        for side in 0..2 {
+            end.0[side][k].set_lane(lane, directions[side][k]);
         }
     }
 }
@@ -57,22 +41,15 @@ pub struct ArcCells<R> {
     contents: ArcContents<R>,
 }
 
-/// What is prepared for the cells of bores.
-#[derive(Debug, Clone)]
-struct ArcContents<R> {
-    /// Sums of the intervals in contact all over the cell, at its centre and for intervals of length one.
-    whole: Integrals<R>,
-    /// The other intervals that may touch.
-    ends: Vec<EndInterval<R>>,
-}
+/// What is prepared for the cells of bores: sums of the intervals in contact all over the cell, at its centre and for intervals of length one, and the
+/// other intervals that may touch.
+type ArcContents<R> = (Integrals<R>, Vec<EndInterval<R>>);
 
 impl<R: Real> ArcCells<R> {
     /// Cells of the bore `arc` in every lane; `like` sets the number of lanes.
     pub(super) fn new(arc: &Arc, like: R) -> Self {
-        let contents = ArcContents {
-            whole: UnitIntegrals::none(like.zero()).sums,
-            ends: vec![EndInterval::none(like); MOST],
-        };
+        let (zero, free) = (like.zero(), like.like(-1.0));
+        let contents = (UnitIntegrals::none(zero).sums, vec![([[zero; 2]; 2], [free; 2]); MOST]);
         let mut all = ArcCells { cells: Cells::new((ENOUGH, SIZES), [SMALLER; 2], like), contents };
         (0..R::LANES).for_each(|lane| all.set(lane, arc));
         all
@@ -80,9 +57,9 @@ impl<R: Real> ArcCells<R> {
 
     /// Forgets the cells of a lane, whose bore is `arc` from now on.
     pub(super) fn set(&mut self, lane: usize, arc: &Arc) {
-        Integrals::default().write_lane::<R>(lane, &mut self.contents.whole);
+        Integrals::default().write_lane::<R>(lane, &mut self.contents.0);
         let of_arc = (arc.reach, [SIDE * arc.scale; 2]);
-        self.cells.set(lane, of_arc, &mut OfArcs { arcs: &[], contents: &mut self.contents });
+        self.cells.set(lane, of_arc, &mut self.contents);
     }
 
     /// Integrals over the arcs of the bores `arcs` `(lanes,)` in contact at the eccentricity `e` [m], for intervals of length one; the
@@ -94,14 +71,14 @@ impl<R: Real> ArcCells<R> {
         if !R::any(touches) {
             return UnitIntegrals::none(zero);
         }
-        self.cells.find(e, touches, &mut OfArcs { arcs, contents: &mut self.contents });
+        self.cells.find(e, touches, arcs, &mut self.contents);
         let centre = self.cells.centre;
         let x = [e[0] - centre[0], e[1] - centre[1]];
         let mut ends = UnitIntegrals::none(zero);
         for k in 0..self.cells.used {
-            add_end::<R, SECOND>(&mut ends, &self.contents.ends[k], x);
+            add_end::<R, SECOND>(&mut ends, &self.contents.1[k], x);
         }
-        let Integrals { v, p, d } = self.contents.whole;
+        let Integrals { v, p, d } = self.contents.0;
         let moved = [fused_dot([d[0], d[1]], x), fused_dot([d[1], d[2]], x)];
         let UnitIntegrals { sums: of_ends, extent } = ends;
         let only = |value: R| R::select(touches, value, zero);
@@ -128,40 +105,36 @@ impl<R: Real> ArcCells<R> {
     }
 }
 
-/// The contents with the bores from which they are prepared, one per lane `(lanes,)`.
-struct OfArcs<'a, R> {
-    arcs: &'a [Arc],
-    contents: &'a mut ArcContents<R>,
-}
+impl<R: Real> CellContents<R, 2> for ArcContents<R> {
+    type Table = Arc;
 
-impl<R: Real> CellContents<R, 2> for OfArcs<'_, R> {
     #[inline(always)]
-    fn fill(&mut self, lane: usize, centre: [f64; 2], half: [f64; 2]) -> usize {
+    fn fill(&mut self, arc: &Arc, lane: usize, centre: [f64; 2], half: [f64; 2]) -> usize {
         let margin = change_of_gaps(half[0]);
         let mut whole = Integrals::default();
-        let ends = &mut self.contents.ends;
+        let (sums, ends) = self;
         let mut found = 0;
-        self.arcs[lane].visit_near(centre, margin, &mut whole, |gaps, directions| {
+        arc.visit_near(centre, margin, &mut whole, |gaps, directions| {
             if found < MOST {
-                ends[found].set_lane(lane, gaps, directions);
+                set_lane(&mut ends[found], lane, gaps, directions);
             }
             found += 1;
         });
-        whole.write_lane::<R>(lane, &mut self.contents.whole);
+        whole.write_lane::<R>(lane, sums);
         found
     }
 
     #[inline(always)]
     fn leave_free(&mut self, lane: usize, k: usize) {
-        self.contents.ends[k].set_lane(lane, [-1.0; 2], [[0.0; 2]; 2]);
+        set_lane(&mut self.1[k], lane, [-1.0; 2], [[0.0; 2]; 2]);
     }
 }
 
 /// Adds this interval at the eccentricity `x` from the centre of the cell [m], without second derivatives unless `SECOND`.
 #[inline(always)]
 fn add_end<R: Real, const SECOND: bool>(to: &mut UnitIntegrals<R>, end: &EndInterval<R>, x: [R; 2]) {
-    let ([ux, uy], [vx, vy]) = (end.u, end.v);
-    let a = end.a.plus_product(x[0], ux).plus_product(x[1], uy);
-    let b = end.b.plus_product(x[0], vx).plus_product(x[1], vy);
-    to.add_end::<SECOND>([end.u, end.v], [a, b], weights_in_lanes::<R, SECOND>(a, b));
+    let (directions @ [[ux, uy], [vx, vy]], [a, b]) = *end;
+    let a = a.plus_product(x[0], ux).plus_product(x[1], uy);
+    let b = b.plus_product(x[0], vx).plus_product(x[1], vy);
+    to.add_end::<SECOND>(directions, [a, b], weights_in_lanes::<R, SECOND>(a, b));
 }

@@ -4,7 +4,7 @@
 //! Derived here, for the Winkler foundation of `foundation.rs` (Winkler 1867; Johnson 1985).
 
 use super::arc::Arc;
-use super::integrals::Weights;
+use super::integrals::weights;
 use super::segment::{GROUP, SEGMENT};
 use crate::plane::dot;
 
@@ -25,14 +25,13 @@ impl Arc {
         // Intervals wholly in contact under way, across segmentes.
         let (mut from, mut to) = (0, 0);
         for g in 0..segmentes.groups.len() {
-            let touched = segmentes.groups[g].touched(e, segmentes.widening, 0.0);
-            let mut rest = touched.any;
+            let [mut rest, whole_segmentes] = segmentes.groups[g].touched(e, segmentes.widening, 0.0);
             while rest != 0 {
                 let i = rest.trailing_zeros();
                 rest &= rest - 1;
                 let s = g * GROUP + i as usize;
                 let segment = &segmentes.each[s];
-                let positive = if (touched.whole >> i) & 1 == 1 { !0 } else { segment.positive(e, 0.0) };
+                let positive = if (whole_segmentes >> i) & 1 == 1 { !0 } else { segment.positive(e, 0.0) };
                 let mut reached = (positive | (positive >> 1)) & segment.all();
                 while reached != 0 {
                     let k = reached.trailing_zeros();
@@ -49,7 +48,7 @@ impl Arc {
                     } else {
                         reached &= reached - 1;
                         let ((u, a), (v, b)) = (segment.angle(k as usize), segment.angle(k as usize + 1));
-                        let Weights { first, .. } = Weights::new(dot(e, u) - a, dot(e, v) - b);
+                        let (first, _) = weights(dot(e, u) - a, dot(e, v) - b);
                         visitor.end(at, first, [u, v]);
                     }
                 }

@@ -24,9 +24,11 @@ pub(super) const MOST: usize = 64;
 
 /// What is prepared for a cell.
 pub(super) trait CellContents<R, const D: usize> {
-    /// Prepares in a lane what holds in the cell about `centre` `(D,)`, whose coordinates reach up to `half` `(D,)` to either side; returns the
+    /// The bore of a lane, from which the contents are prepared.
+    type Table;
+    /// Prepares in a lane from its `table` what holds in the cell about `centre` `(D,)`, whose coordinates reach up to `half` `(D,)` to either side; returns the
     /// number of intervals to look at, of which the first [`MOST`] are kept.
-    fn fill(&mut self, lane: usize, centre: [f64; D], half: [f64; D]) -> usize;
+    fn fill(&mut self, table: &Self::Table, lane: usize, centre: [f64; D], half: [f64; D]) -> usize;
     /// Leaves the kept interval `k` of a lane out of contact.
     fn leave_free(&mut self, lane: usize, k: usize);
 }
@@ -117,7 +119,13 @@ impl<R: Real, const D: usize> Cells<R, D> {
     /// Prepares in each lane that `touches` the largest cell about `at` `(D,)` with few enough intervals to look at. Whether the cell of one
     /// size will do depends on the cell alone, hence so does the cell found.
     #[inline(always)]
-    pub(super) fn find(&mut self, at: [R; D], touches: R::Mask, contents: &mut impl CellContents<R, D>) {
+    pub(super) fn find<C: CellContents<R, D>>(
+        &mut self,
+        at: [R; D],
+        touches: R::Mask,
+        tables: &[C::Table],
+        contents: &mut C,
+    ) {
         let (mut side, mut per_side) = (self.side, self.per_side);
         let mut stale = 0;
         for size in 0..=self.smallest {
@@ -137,13 +145,19 @@ impl<R: Real, const D: usize> Cells<R, D> {
             for d in 0..D {
                 of_lane[d] = at[d].lane(lane);
             }
-            self.find_lane(lane, of_lane, contents);
+            self.find_lane(lane, of_lane, &tables[lane], contents);
         }
     }
 
     /// Prepares the cells about `at` `(D,)` that a lane has left, from the largest of these on.
     #[inline(always)]
-    fn find_lane(&mut self, lane: usize, at: [f64; D], contents: &mut impl CellContents<R, D>) {
+    fn find_lane<C: CellContents<R, D>>(
+        &mut self,
+        lane: usize,
+        at: [f64; D],
+        table: &C::Table,
+        contents: &mut C,
+    ) {
         let (mut side, mut per_side) = ([0.0; D], [0.0; D]);
         for d in 0..D {
             (side[d], per_side[d]) = (self.side[d].lane(lane), self.per_side[d].lane(lane));
@@ -164,7 +178,7 @@ impl<R: Real, const D: usize> Cells<R, D> {
                     self.centre[d].set_lane(lane, centre[d]);
                 }
                 self.size.set_lane(lane, size as f64);
-                let found = contents.fill(lane, centre, half);
+                let found = contents.fill(table, lane, centre, half);
                 self.set_count(lane, found, contents);
                 if found <= self.enough {
                     break;

@@ -36,21 +36,25 @@ impl Contact {
         force: &JointForce,
     ) -> ContactEnergy {
         let surface = self.surface();
-        let elastic = self.elastic(surfaces.into(), motion);
+        let surfaces = surfaces.into();
+        let [stored, elastic, rate] = match self {
+            Contact::LocalHertz(law) => law.elastic(surfaces, motion),
+            Contact::Foundation(law) => law.elastic(surfaces, motion),
+        };
         let JointMotion { w, omega_journal, omega_bushing, .. } = *motion;
         let power = force.force[0] * w[0]
             + force.force[1] * w[1]
             + force.torque_journal * omega_journal
             + force.torque_bushing * omega_bushing;
         let friction = surface.friction(force.sliding).0 * force.normal * force.sliding;
-        let damping = (force.normal - elastic.force) * elastic.rate;
+        let damping = (force.normal - elastic) * rate;
         let film = surface.film * (w[0] * w[0] + w[1] * w[1]);
         ContactEnergy {
-            stored: elastic.stored,
+            stored,
             friction,
             damping,
             film,
-            unphysical: power + elastic.force * elastic.rate + friction + damping + film,
+            unphysical: power + elastic * rate + friction + damping + film,
         }
     }
 }

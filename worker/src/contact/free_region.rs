@@ -47,17 +47,6 @@ pub struct FreeRegion<'a> {
     reached: Vec<usize>,
 }
 
-/// A groove of the bore that is narrower than the journal.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct NarrowGroove {
-    /// Angle of its middle in the bushing's frame, from 0 to one turn [rad].
-    pub angle: f64,
-    /// Angle between the two places at which the journal lies on its edges [rad].
-    pub width: f64,
-    /// Largest distance of the journal there from the ground [m].
-    pub open: f64,
-}
-
 impl<'a> FreeRegion<'a> {
     /// The region between these `surfaces`, the journal of unworn radius `journal_radius` [m] turned by `turn` [rad] in its bushing.
     pub(crate) fn new(surfaces: Surfaces<'a>, journal_radius: f64, turn: f64) -> Self {
@@ -117,8 +106,10 @@ impl<'a> FreeRegion<'a> {
         [(a * v[1] - b * u[1]) / sine, (b * u[0] - a * v[0]) / sine]
     }
 
-    /// The grooves that are narrower than the journal and whose ground it leaves open by more than `least` [m].
-    pub(crate) fn narrow_grooves(&self, least: f64) -> Vec<NarrowGroove> {
+    /// The grooves that are narrower than the journal and whose ground it leaves open by more than `least` [m]: the angle
+    /// of the middle of each in the bushing's frame, from 0 to one turn [rad], the angle between the two places at which the journal lies on its edges [rad], and
+    /// the largest distance of the journal there from the ground [m].
+    pub(crate) fn narrow_grooves(&self, least: f64) -> Vec<[f64; 3]> {
         let n = self.gap.len();
         let spacing = TAU / n as f64;
         let pairs = (0..self.reached.len()).map(|k| (k, (k + 1) % self.reached.len()));
@@ -132,7 +123,7 @@ impl<'a> FreeRegion<'a> {
             let open_at = |m: usize| self.gap[(i + m) % n] - dot(corner, self.unit[(i + m) % n]);
             let open = (1..between).map(open_at).fold(0.0, f64::max);
             let angle = ((i as f64 + 0.5 * between as f64) * spacing).rem_euclid(TAU);
-            (open > least).then_some(NarrowGroove { angle, width: between as f64 * spacing, open })
+            (open > least).then_some([angle, between as f64 * spacing, open])
         };
         pairs.filter_map(groove).collect()
     }
@@ -192,7 +183,7 @@ mod tests {
             assert!((width - 6.0 * CLEARANCE).abs() < 1e-14, "{width}");
         }
         assert_eq!(region.width([0.0; 2]), 0.0);
-        assert_eq!(region.narrow_grooves(0.0), vec![]);
+        assert!(region.narrow_grooves(0.0).is_empty());
     }
 
     #[test]
@@ -222,8 +213,8 @@ mod tests {
         let region = region(&bore);
         // Where the bore bends into the groove its spline ripples: the journal stays off these places by some nanometres.
         let grooves = region.narrow_grooves(0.01 * CLEARANCE);
-        let [groove] = grooves[..] else { panic!("{grooves:?}") };
-        assert!((groove.angle - middle).abs() < 0.01, "{groove:?}");
+        let [groove @ [angle, width, open]] = grooves[..] else { panic!("{grooves:?}") };
+        assert!((angle - middle).abs() < 0.01, "{groove:?}");
         // Points of contact on its edges at +-x: e . u(x) = G and its derivative, by symmetry e = E along the middle, G' = -E sin x.
         let edge = |x: f64| {
             let z = x / half;
@@ -238,8 +229,8 @@ mod tests {
         }
         let z = low / half;
         let reach = (CLEARANCE + depth * (1.0 - z * z).powi(2)) / low.cos();
-        assert!((groove.width - 2.0 * low).abs() < 0.02, "{groove:?} against {}", 2.0 * low);
-        assert!((groove.open - (CLEARANCE + depth - reach)).abs() < 0.02e-6, "{groove:?} against {reach}");
+        assert!((width - 2.0 * low).abs() < 0.02, "{groove:?} against {}", 2.0 * low);
+        assert!((open - (CLEARANCE + depth - reach)).abs() < 0.02e-6, "{groove:?} against {reach}");
         let across = [middle.cos(), middle.sin()];
         assert!((region.width(across) - CLEARANCE - reach).abs() < 0.02e-6);
     }
@@ -249,7 +240,7 @@ mod tests {
         // Depth 20 um over half a turn: R + R'' stays above R1.
         let bore = bore(144, |psi| 10e-6 * (1.0 + psi.cos()));
         let region = region(&bore);
-        assert_eq!(region.narrow_grooves(0.0), vec![]);
+        assert!(region.narrow_grooves(0.0).is_empty());
         assert!((region.width([1.0, 0.0]) - 2.0 * CLEARANCE - 20e-6).abs() < 1e-12);
     }
 

@@ -86,39 +86,29 @@ impl<R: Real> RotatedIntegrals<R> {
     }
 }
 
-/// Weights of the two ends a, b of one interval: derivatives of its potential, the integral of g^2 / 2 over
-/// the part with g > 0, for an interval of length one.
-pub(super) struct Weights {
-    /// First derivatives to the gaps at a and b [m].
-    pub(super) first: [f64; 2],
-    /// Second derivatives aa, ab, bb [1].
-    second: [f64; 3],
-}
-
-impl Weights {
-    /// Weights for gaps `a` and `b` [m] of which at least one is positive.
-    #[inline(always)]
-    pub(super) fn new(a: f64, b: f64) -> Self {
-        if a > 0.0 && b > 0.0 {
-            let third = 1.0 / 3.0;
-            Weights { first: [a * third + b / 6.0, a / 6.0 + b * third], second: [third, 1.0 / 6.0, third] }
-        } else if a > 0.0 {
-            let f = a / (a - b);
-            Weights {
-                first: [a * f * (0.5 - f / 6.0), a * f * f / 6.0],
-                second: [f - f * f + f * f * f / 3.0, f * f * (0.5 - f / 3.0), f * f * f / 3.0],
-            }
-        } else {
-            let f = b / (b - a);
-            Weights {
-                first: [b * f * f / 6.0, b * f * (0.5 - f / 6.0)],
-                second: [f * f * f / 3.0, f * f * (0.5 - f / 3.0), f - f * f + f * f * f / 3.0],
-            }
-        }
+/// Weights of the two ends of one interval with gaps `a` and `b` [m] of which at least one is positive: first derivatives to the gaps [m],
+/// and second derivatives aa, ab, bb [1] of its potential, the integral of g^2 / 2 over the part with g > 0, for an interval of length one.
+#[inline(always)]
+pub(super) fn weights(a: f64, b: f64) -> ([f64; 2], [f64; 3]) {
+    if a > 0.0 && b > 0.0 {
+        let third = 1.0 / 3.0;
+        ([a * third + b / 6.0, a / 6.0 + b * third], [third, 1.0 / 6.0, third])
+    } else if a > 0.0 {
+        let f = a / (a - b);
+        (
+            [a * f * (0.5 - f / 6.0), a * f * f / 6.0],
+            [f - f * f + f * f * f / 3.0, f * f * (0.5 - f / 3.0), f * f * f / 3.0],
+        )
+    } else {
+        let f = b / (b - a);
+        (
+            [b * f * f / 6.0, b * f * (0.5 - f / 6.0)],
+            [f * f * f / 3.0, f * f * (0.5 - f / 3.0), f - f * f + f * f * f / 3.0],
+        )
     }
 }
 
-/// First derivatives of the potential of an interval to the gaps `a` and `b` [m] at its ends, as those of [`Weights`], its second
+/// First derivatives of the potential of an interval to the gaps `a` and `b` [m] at its ends, as those of [`weights`], its second
 /// derivatives aa, ab, bb if `SECOND`, else zeros, and the share of it in contact [1]. Without branches, also where nothing is in contact.
 ///
 /// Of an interval with the larger gap h and the smaller one l the share f = h / (h - l), at most one, is in contact.
@@ -173,8 +163,14 @@ impl Integrals {
     /// Adds twice the potential, its gradient and its second derivative of one interval of length one with
     /// unit vectors `u`, `v` and gaps `gaps` [m] at its ends.
     #[inline(always)]
-    pub(super) fn add(&mut self, gaps: [f64; 2], weights: &Weights, u: [f64; 2], v: [f64; 2]) {
-        let ([a, b], [wa, wb], [aa, ab, bb]) = (gaps, weights.first, weights.second);
+    pub(super) fn add(
+        &mut self,
+        gaps: [f64; 2],
+        (first, second): ([f64; 2], [f64; 3]),
+        u: [f64; 2],
+        v: [f64; 2],
+    ) {
+        let ([a, b], [wa, wb], [aa, ab, bb]) = (gaps, first, second);
         self.v += wa * a + wb * b;
         for i in 0..2 {
             self.p[i] += wa * u[i] + wb * v[i];

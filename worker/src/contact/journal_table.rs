@@ -46,24 +46,8 @@ pub struct JournalTable {
     least: Vec<f64>,
 }
 
-/// Place of a turned journal on the foundation.
-#[derive(Debug, Clone, Copy)]
-pub struct Rotated {
-    /// Table interval of the journal at the angle zero of the foundation, and the fraction there.
-    pub(super) base: usize,
-    pub(super) fraction: f64,
-}
-
-/// Depth at neighbouring angles of the foundation, with its derivatives to the angle alpha of the journal.
-#[derive(Debug, Clone, Copy)]
-pub struct RotatedDepth<const N: usize> {
-    /// Depth `(N,)` [m].
-    pub depth: [f64; N],
-    /// First derivative `(N,)` [m/rad].
-    pub d1: [f64; N],
-    /// Second derivative `(N,)` [m/rad^2].
-    pub d2: [f64; N],
-}
+/// Place of a turned journal on the foundation: table interval of the journal at the angle zero of the foundation, and the fraction there.
+pub type Rotated = (usize, f64);
 
 impl JournalTable {
     /// An unworn journal with `points` control points, on a foundation of `intervals` intervals, a multiple
@@ -116,20 +100,20 @@ impl JournalTable {
         // A place just below zero is rounded to a whole turn.
         let place = if place < n { place } else { 0.0 };
         let base = place as usize;
-        Rotated { base, fraction: place - base as f64 }
+        (base, place - base as f64)
     }
 
     /// Place of the journal where the angle zero of the foundation is at the beginning of its interval `base`, a whole number counted on over
     /// full turns.
     #[inline(always)]
     pub(super) fn in_interval(&self, base: f64) -> Rotated {
-        Rotated { base: base.rem_euclid(self.intervals as f64) as usize, fraction: 0.0 }
+        (base.rem_euclid(self.intervals as f64) as usize, 0.0)
     }
 
     /// Coefficients in the fraction of the cubics of the depth at `count` angles of the foundation from the angle `first` on `(4, count)` [m].
     #[inline(always)]
     pub(super) fn cubics(&self, at: Rotated, first: usize, count: usize) -> [&[f64]; 4] {
-        let (from, [a, b, c, d]) = (at.base + first, &self.cubic);
+        let (from, [a, b, c, d]) = (at.0 + first, &self.cubic);
         let to = from + count;
         [&a[from..to], &b[from..to], &c[from..to], &d[from..to]]
     }
@@ -137,23 +121,23 @@ impl JournalTable {
     /// Lower bound of the depth over the segment that begins at the angle `first` of the foundation [m].
     #[inline(always)]
     pub(super) fn least(&self, at: Rotated, first: usize) -> f64 {
-        let block = (at.base + first) / SEGMENT;
+        let block = (at.0 + first) / SEGMENT;
         self.least[block].min(self.least[block + 1])
     }
 
-    /// Depth at `N` angles of the foundation from the angle `first` on, at most the turn and a segment.
+    /// Depth at `N` angles of the foundation from the angle `first` on, at most the turn and a segment `(N,)` [m], with its first and second
+    /// derivatives to the angle alpha of the journal [m/rad, m/rad^2].
     #[inline(always)]
-    pub(super) fn depths<const N: usize>(&self, at: Rotated, first: usize) -> RotatedDepth<N> {
-        let from = at.base + first;
+    pub(super) fn depths<const N: usize>(&self, (base, f): Rotated, first: usize) -> [[f64; N]; 3] {
+        let from = base + first;
         let [a, b, c, d] = [0, 1, 2, 3].map(|k| &self.cubic[k][from..from + N]);
-        let f = at.fraction;
         let per_angle = self.intervals as f64 / TAU;
-        let mut out = RotatedDepth { depth: [0.0; N], d1: [0.0; N], d2: [0.0; N] };
+        let mut out = [[0.0; N]; 3];
         for i in 0..N {
             let fd = f * d[i];
-            out.depth[i] = a[i] + f * (b[i] + f * (c[i] + fd));
-            out.d1[i] = -per_angle * (b[i] + f * (2.0 * c[i] + 3.0 * fd));
-            out.d2[i] = per_angle * per_angle * (2.0 * c[i] + 6.0 * fd);
+            out[0][i] = a[i] + f * (b[i] + f * (c[i] + fd));
+            out[1][i] = -per_angle * (b[i] + f * (2.0 * c[i] + 3.0 * fd));
+            out[2][i] = per_angle * per_angle * (2.0 * c[i] + 6.0 * fd);
         }
         out
     }
@@ -246,14 +230,14 @@ mod tests {
                 for i in 0..17 {
                     let psi = (first + i) as f64 * spacing;
                     // The correction is that of the control points, interpolated.
-                    assert!((found.depth[i] - chord(psi - alpha)).abs() < 2e-12, "{alpha}, {psi}");
-                    assert!(found.depth[i] >= least);
+                    assert!((found[0][i] - chord(psi - alpha)).abs() < 2e-12, "{alpha}, {psi}");
+                    assert!(found[0][i] >= least);
                     let h = 1e-4;
                     let [after, before] = [h, -h].map(|h| table.depths::<17>(table.turned(alpha + h), first));
-                    let slope = (after.depth[i] - before.depth[i]) / (2.0 * h);
-                    let bend = (after.d1[i] - before.d1[i]) / (2.0 * h);
-                    assert!((found.d1[i] - slope).abs() < 1e-11, "{alpha}: {} against {slope}", found.d1[i]);
-                    assert!((found.d2[i] - bend).abs() < 1e-7, "{alpha}: {} against {bend}", found.d2[i]);
+                    let slope = (after[0][i] - before[0][i]) / (2.0 * h);
+                    let bend = (after[1][i] - before[1][i]) / (2.0 * h);
+                    assert!((found[1][i] - slope).abs() < 1e-11, "{alpha}: {} against {slope}", found[1][i]);
+                    assert!((found[2][i] - bend).abs() < 1e-7, "{alpha}: {} against {bend}", found[2][i]);
                 }
             }
         }

@@ -11,7 +11,7 @@
 //! Source:
 //! The law: see `foundation.rs`.
 
-use super::arc::Arcs;
+use super::arc::{Arcs, FreeArcs};
 use super::arc_cells::ArcCells;
 use super::integrals::RotatedIntegrals;
 use super::journal_table::{JournalTable, within_a_turn, worn_radius};
@@ -21,7 +21,7 @@ use super::{
     Arc, Contact, ForceSlopes, Foundation, JointForce, JointMotion, Journal, LocalHertz, PolarEccentricity,
     Surface, Surfaces, Walls,
 };
-use crate::bore::{Bore, Bores, Radius};
+use crate::bore::{Bores, Radius};
 use crate::lanes::{Lanewise, Real};
 use std::cell::RefCell;
 
@@ -216,28 +216,16 @@ impl<R: Real> Arcs<R> for ArcLanes<R> {
         let sums = self.cells.borrow_mut().integrate::<SECOND>(&self.arcs, e);
         RotatedIntegrals::round(sums.scaled(self.spacing))
     }
+}
 
-    #[inline(always)]
-    fn nearest_free(&self, e: [R; 2], alpha: R, penetration: R) -> ([R; 2], R) {
-        let mut out = [alpha.zero(); 2];
-        for lane in 0..R::LANES {
-            let at = [e[0].lane(lane), e[1].lane(lane)];
-            let (one, _) = self.arcs[lane].nearest_free(at, 0.0, penetration.lane(lane));
-            out[0].set_lane(lane, one[0]);
-            out[1].set_lane(lane, one[1]);
-        }
-        (out, alpha.zero())
+impl<R: Real> FreeArcs<R> for ArcLanes<R> {
+    fn free_penetration(&self, lane: usize, e: [f64; 2], _alpha: f64) -> f64 {
+        self.arcs[lane].free_penetration(e)
     }
 
-    #[inline(always)]
-    fn free_penetration(&self, e: [R; 2], alpha: R, touches: R) -> R {
-        let mut out = alpha.zero();
-        for lane in 0..R::LANES {
-            if touches.lane(lane) <= 0.0 {
-                out.set_lane(lane, self.arcs[lane].free_penetration([e[0].lane(lane), e[1].lane(lane)]));
-            }
-        }
-        out
+    fn nearest(&self, lane: usize, e: [f64; 2], _alpha: f64) -> ([f64; 2], f64) {
+        let arc = &self.arcs[lane];
+        (if arc.intervals() == 0 { [0.0; 2] } else { arc.nearest(e) }, 0.0)
     }
 }
 
@@ -290,37 +278,17 @@ impl<R: Real> Arcs<R> for JournalLanes<R> {
     fn integrate<const SECOND: bool>(&self, e: [R; 2], alpha: R) -> RotatedIntegrals<R> {
         self.cells.borrow_mut().integrate::<SECOND>(&self.pairs, e, alpha)
     }
+}
 
-    #[inline(always)]
-    fn free_penetration(&self, e: [R; 2], alpha: R, touches: R) -> R {
-        let mut out = alpha.zero();
-        for lane in 0..R::LANES {
-            if touches.lane(lane) <= 0.0 {
-                let (arc, journal) = &self.pairs[lane];
-                let at = [e[0].lane(lane), e[1].lane(lane)];
-                out.set_lane(lane, RotatedArc { arc, journal }.free_penetration(at, alpha.lane(lane)));
-            }
-        }
-        out
+impl<R: Real> FreeArcs<R> for JournalLanes<R> {
+    fn free_penetration(&self, lane: usize, e: [f64; 2], alpha: f64) -> f64 {
+        let (arc, journal) = &self.pairs[lane];
+        RotatedArc { arc, journal }.free_penetration(e, alpha)
     }
 
-    #[inline(always)]
-    fn nearest_free(&self, e: [R; 2], alpha: R, penetration: R) -> ([R; 2], R) {
-        let nothing = alpha.zero();
-        let (mut direction, mut to_alpha) = ([nothing; 2], nothing);
-        for lane in 0..R::LANES {
-            let (arc, journal) = &self.pairs[lane];
-            // An idle lane has no bore.
-            if penetration.lane(lane) > 0.0 || arc.intervals() == 0 {
-                continue;
-            }
-            let at = [e[0].lane(lane), e[1].lane(lane)];
-            let (one, slope) = RotatedArc { arc, journal }.nearest(at, alpha.lane(lane));
-            direction[0].set_lane(lane, one[0]);
-            direction[1].set_lane(lane, one[1]);
-            to_alpha.set_lane(lane, slope);
-        }
-        (direction, to_alpha)
+    fn nearest(&self, lane: usize, e: [f64; 2], alpha: f64) -> ([f64; 2], f64) {
+        let (arc, journal) = &self.pairs[lane];
+        if arc.intervals() == 0 { ([0.0; 2], 0.0) } else { RotatedArc { arc, journal }.nearest(e, alpha) }
     }
 
     #[inline(always)]

@@ -17,7 +17,7 @@
 //! 10.3969/j.issn.1004-132X.2026.06.020. Force and damping after Lankarani, Nikravesh (1990), J. Mech. Design
 //! 112, 369-376.
 
-use super::{Elastic, ForceSlopes, JointForce, JointMotion, Surface, Surfaces};
+use super::{ForceSlopes, JointForce, JointMotion, Surface, Surfaces};
 use crate::bore::Radius;
 use crate::lanes::{Real, direction_angle};
 use crate::plane::{fused_dot as dot, left};
@@ -61,45 +61,6 @@ pub struct Walls<R> {
     pub bore: Radius<R>,
     /// The journal, if it wears; its derivatives are to the angle in its own body.
     pub journal: Option<Radius<R>>,
-}
-
-/// Motion along the eccentricity and across it.
-struct Polar<R> {
-    /// Unit vector u of the eccentricity `(2,)` [1].
-    u: [R; 2],
-    /// 1 / |e| [1/m].
-    inverse: R,
-    /// Bore in the direction of u, and the journal if it wears.
-    walls: Walls<R>,
-    /// Radius of the journal there [m].
-    radius: R,
-    /// w.u and w.t [m/s].
-    wu: R,
-    wt: R,
-    /// Rate of the direction of e in the bushing's frame [rad/s].
-    turn: R,
-    /// Rate of the direction of e in the frame of the journal's body [rad/s].
-    spin: R,
-}
-
-/// Derivatives of force and torques, see [`ForceSlopes`].
-type Slopes<R> = ([[R; 6]; 4], Option<[R; 4]>);
-
-/// Elastic force, damping and friction of one contact.
-struct Normal<R> {
-    /// delta^0.5, zero in free flight [m^0.5].
-    root: R,
-    /// Elastic force F_el [N].
-    elastic: R,
-    /// 1 + D delta_dot [1].
-    factor: R,
-    /// Normal force F_N [N].
-    normal: R,
-    /// F_T / F_N [1] and its derivative to the sliding speed [s/m].
-    mu: R,
-    mu_v: R,
-    /// Friction force F_T [N].
-    friction: R,
 }
 
 impl<R: Real> LocalHertz<R> {
@@ -160,42 +121,7 @@ impl<R: Real> LocalHertz<R> {
         if !JACOBIAN {
             return (out, ForceSlopes::none(nothing));
         }
-        let polar = Polar { u, inverse, walls: Walls { bore, journal }, radius, wu, wt, turn, spin };
-        let normal = Normal { root, elastic, factor, normal, mu, mu_v, friction };
-        let (rows, to_turn) = self.slopes(&polar, &normal, [omega_journal, omega_bushing]);
-        let mut slopes = ForceSlopes { u, rows, to_turn };
-        s.add_film_slopes(&mut slopes);
-        (out, slopes)
-    }
-
-    /// Rate of the penetration, delta_dot, at the eccentricity `e`, in whose direction the surfaces are `walls` [m/s]; in the middle of the
-    /// bore, from where every direction leads to the wall, the speed.
-    #[inline(always)]
-    pub(super) fn approach(&self, e: &PolarEccentricity<R>, walls: &Walls<R>, motion: &JointMotion<R>) -> R {
-        let JointMotion { w, omega_journal, omega_bushing, .. } = *motion;
-        let along = dot(w, left(e.u));
-        let turn = (-omega_bushing).plus_product(along, e.inverse);
-        let mut rate = dot(w, e.u).minus_product(walls.bore.d1, turn);
-        if let Some(journal) = walls.journal {
-            let spin = (-omega_journal).plus_product(along, e.inverse);
-            rate = rate.plus_product(journal.d1, spin);
-        }
-        R::select(e.size.zero().below(e.size), rate, dot(w, w).sqrt())
-    }
-
-    /// Derivative of (force, torques) without the film to (e, w, omega_i, omega_j), in the axes (u, t) `(4, 6)`, and to alpha if the
-    /// journal wears `(4,)`.
-    #[inline(always)]
-    fn slopes(
-        &self,
-        polar: &Polar<R>,
-        contact: &Normal<R>,
-        [omega_journal, omega_bushing]: [R; 2],
-    ) -> Slopes<R> {
-        let s = &self.surface;
-        let &Polar { u, inverse, walls: Walls { bore, journal }, radius, wu, wt, turn, spin } = polar;
-        let &Normal { root, elastic, factor, normal, mu, mu_v, friction } = contact;
-        let nothing = u[0].zero();
+        // Derivative of (force, torques) without the film to (e, w, omega_i, omega_j), in the axes (u, t), and to alpha if the journal wears.
         let slope = s.stiffness * root * factor * 1.5;
         let ed = elastic * s.damping;
         let bend = match journal {
@@ -256,29 +182,49 @@ impl<R: Real> LocalHertz<R> {
             ],
             [bore.r * df[0], on_bushing, bore.r * df[2], bore.r * df[3], bore.r * df[4], bore.r * df[5]],
         ];
-        let Some(journal) = journal else { return (rows, None) };
         // The place on the journal falls behind as alpha grows.
-        let dn = -(slope * journal.d1).plus_product(ed * journal.d2, spin);
-        let df = (mu * dn).minus_product(grip * omega_journal, journal.d1);
-        let torque_journal = (journal.d1 * friction).minus_product(radius, df);
-        (rows, Some([-dn, -df, torque_journal, bore.r * df]))
+        let mut to_turn = None;
+        if let Some(journal) = journal {
+            let dn = -(slope * journal.d1).plus_product(ed * journal.d2, spin);
+            let df = (mu * dn).minus_product(grip * omega_journal, journal.d1);
+            to_turn = Some([-dn, -df, (journal.d1 * friction).minus_product(radius, df), bore.r * df]);
+        }
+        let mut slopes = ForceSlopes { u, rows, to_turn };
+        s.add_film_slopes(&mut slopes);
+        (out, slopes)
+    }
+
+    /// Rate of the penetration, delta_dot, at the eccentricity `e`, in whose direction the surfaces are `walls` [m/s]; in the middle of the
+    /// bore, from where every direction leads to the wall, the speed.
+    #[inline(always)]
+    pub(super) fn approach(&self, e: &PolarEccentricity<R>, walls: &Walls<R>, motion: &JointMotion<R>) -> R {
+        let JointMotion { w, omega_journal, omega_bushing, .. } = *motion;
+        let along = dot(w, left(e.u));
+        let turn = (-omega_bushing).plus_product(along, e.inverse);
+        let mut rate = dot(w, e.u).minus_product(walls.bore.d1, turn);
+        if let Some(journal) = walls.journal {
+            let spin = (-omega_journal).plus_product(along, e.inverse);
+            rate = rate.plus_product(journal.d1, spin);
+        }
+        R::select(e.size.zero().below(e.size), rate, dot(w, w).sqrt())
     }
 }
 
 impl LocalHertz {
-    /// Energy, force and rate of the elastic part of the contact between these surfaces; all zero in free flight.
-    pub(super) fn elastic(&self, Surfaces { bore, journal }: Surfaces, motion: &JointMotion) -> Elastic {
+    /// The elastic part of the contact between these surfaces: stored energy [J], force F_el [N] and delta_dot [m/s], by which the force
+    /// multiplies to the rate of the energy; all zero in free flight.
+    pub(super) fn elastic(&self, Surfaces { bore, journal }: Surfaces, motion: &JointMotion) -> [f64; 3] {
         let e = motion.e;
         let psi = libm::atan2(e[1], e[0]);
         let radius = journal.map_or(self.surface.journal_radius, |j| j.radius_at(psi - motion.turn).r);
         let delta = libm::hypot(e[0], e[1]) + radius - bore.radius_at(psi).r;
         if delta <= 0.0 {
-            return Elastic::default();
+            return [0.0; 3];
         }
         let force = self.surface.stiffness * delta * delta.sqrt();
         let place = PolarEccentricity::new(e);
         let journal = journal.map(|journal| journal.radius_at(place.psi - motion.turn));
         let walls = Walls { bore: bore.radius_at(place.psi), journal };
-        Elastic { stored: 0.4 * force * delta, force, rate: self.approach(&place, &walls, motion) }
+        [0.4 * force * delta, force, self.approach(&place, &walls, motion)]
     }
 }

@@ -36,30 +36,19 @@
 
 mod arc;
 mod arc_cells;
-#[cfg(test)]
-mod arc_cells_tests;
 mod arc_visitor;
 mod cells;
-mod damping;
 mod energy;
 mod foundation;
-mod foundation_slopes;
-#[cfg(test)]
-mod foundation_tests;
 mod free_region;
 mod integrals;
-mod joint_force;
 mod journal_table;
-#[cfg(test)]
-mod journal_tests;
 mod law_lanes;
 mod local_hertz;
 mod modulus;
 mod pad;
 mod rotated_arc;
 mod rotated_cells;
-#[cfg(test)]
-mod rotated_cells_tests;
 mod rotated_segment;
 mod segment;
 mod surface;
@@ -68,25 +57,20 @@ mod tests;
 
 pub(crate) use arc::Arc;
 pub(crate) use arc_visitor::ArcVisitor;
-pub use damping::Restitution;
-pub(crate) use damping::initial as initial_damping;
 pub use foundation::Foundation;
-pub(crate) use foundation::FoundationWithJournal;
-pub(crate) use foundation_slopes::FoundationLoad;
+pub(crate) use foundation::{FoundationLoad, FoundationWithJournal};
 pub(crate) use free_region::FreeRegion;
-pub use joint_force::{ForceSlopes, JointForce, JointMotion};
 pub use journal_table::{Journal, Surfaces};
 pub use law_lanes::LawLanes;
 pub use local_hertz::{LocalHertz, PolarEccentricity, Walls};
 pub use pad::{GuideReaction, PADS};
 pub(crate) use pad::{PadForce, pad_force};
 pub(crate) use rotated_arc::SegmentParts;
-pub use surface::{Surface, hertz_stiffness};
-pub(crate) use surface::{coulomb, equivalent_penetration};
+pub use surface::{ForceSlopes, JointForce, JointMotion, Restitution, Surface, hertz_stiffness};
+pub(crate) use surface::{coulomb, equivalent_penetration, initial_damping};
 
 use crate::bore::Profile;
 use common::scene::{Clearance, ContactLaw};
-use joint_force::Elastic;
 
 /// The contact law of one joint.
 #[derive(Debug, Clone, PartialEq)]
@@ -145,14 +129,6 @@ impl Contact {
         match self {
             Contact::LocalHertz(law) => law.surface.damping = damping,
             Contact::Foundation(law) => law.surface.damping = damping,
-        }
-    }
-
-    /// Energy, force and rate of the elastic part of the contact; all zero in free flight.
-    fn elastic(&self, surfaces: Surfaces, motion: &JointMotion) -> Elastic {
-        match self {
-            Contact::LocalHertz(law) => law.elastic(surfaces, motion),
-            Contact::Foundation(law) => law.elastic(surfaces, motion),
         }
     }
 }

@@ -11,11 +11,10 @@
 //! # Source
 //! Derived here, for the Winkler foundation of `foundation.rs` (Winkler 1867; Johnson 1985).
 
-use super::arc::{Arc, Arcs};
+use super::arc::{Arc, Arcs, peak};
 use super::integrals::{Integrals, RotatedIntegrals, UnitIntegrals};
-use super::journal_table::{Journal, JournalTable, Rotated};
+use super::journal_table::{JournalTable, Rotated};
 use super::segment::{GROUP, SEGMENT, Segment};
-use crate::bore::Radius;
 use crate::plane::{dot, length};
 use std::f64::consts::TAU;
 
@@ -31,51 +30,23 @@ pub struct RotatedArc<'a> {
     pub journal: &'a JournalTable,
 }
 
-/// A tabulated bore with the journal in it.
-#[derive(Debug, Clone, Copy)]
-pub struct Pair<'a> {
-    /// The tables of both.
-    pub turned: RotatedArc<'a>,
-    /// The journal whose depth is in the table.
-    pub journal: &'a Journal,
-}
-
-impl Arcs<f64> for Pair<'_> {
+impl Arcs<f64> for RotatedArc<'_> {
     const JOURNAL: bool = true;
 
     #[inline(always)]
     fn integrate<const SECOND: bool>(&self, e: [f64; 2], alpha: f64) -> RotatedIntegrals {
-        self.turned.integrate::<true>(e, alpha)
-    }
-
-    #[inline(always)]
-    fn free_penetration(&self, e: [f64; 2], alpha: f64, touches: f64) -> f64 {
-        if touches <= 0.0 { self.turned.free_penetration(e, alpha) } else { 0.0 }
-    }
-
-    #[inline(always)]
-    fn nearest_free(&self, e: [f64; 2], alpha: f64, penetration: f64) -> ([f64; 2], f64) {
-        if penetration > 0.0 { ([0.0; 2], 0.0) } else { self.turned.nearest(e, alpha) }
-    }
-
-    #[inline(always)]
-    fn journal(&self, chi: f64) -> Radius {
-        self.journal.radius_at(chi)
+        self.integrals::<true>(e, alpha)
     }
 }
 
-/// Gaps at the angles of a segment, with their derivatives to alpha.
-struct RotatedGaps {
-    gap: [f64; ANGLES],
-    d1: [f64; ANGLES],
-    d2: [f64; ANGLES],
-}
+/// Gaps at the angles of a segment [m], with their first and second derivatives to alpha [m/rad, m/rad^2].
+type RotatedGaps = [[f64; ANGLES]; 3];
 
 impl RotatedArc<'_> {
     /// Integrals over the arc in contact at the eccentricity `e` [m] with the journal turned by `alpha` [rad]; zeros for the derivatives to
     /// alpha unless `ALPHA`.
     #[inline(always)]
-    pub(super) fn integrate<const ALPHA: bool>(&self, e: [f64; 2], alpha: f64) -> RotatedIntegrals {
+    pub(super) fn integrals<const ALPHA: bool>(&self, e: [f64; 2], alpha: f64) -> RotatedIntegrals {
         let mut sums = [[0.0; SEGMENT]; 10];
         let mut touched = false;
         let at = self.journal.turned(alpha);
@@ -132,17 +103,17 @@ impl RotatedArc<'_> {
     #[inline(always)]
     fn gaps<const ALPHA: bool>(&self, e: [f64; 2], at: Rotated, s: usize, segment: &Segment) -> RotatedGaps {
         let depth = self.journal.depths::<ANGLES>(at, s * SEGMENT);
-        let mut gaps = RotatedGaps { gap: [0.0; ANGLES], d1: [0.0; ANGLES], d2: [0.0; ANGLES] };
+        let mut gaps = [[0.0; ANGLES]; 3];
         for i in 0..SEGMENT {
             let bore = e[0] * segment.begin.x[i] + e[1] * segment.begin.y[i] - segment.begin.radial_gap[i];
-            gaps.gap[i] = bore - depth.depth[i];
+            gaps[0][i] = bore - depth[0][i];
         }
         let last = segment.intervals;
         let (v, radial_gap) = segment.angle(last);
-        gaps.gap[last] = dot(e, v) - radial_gap - depth.depth[last];
+        gaps[0][last] = dot(e, v) - radial_gap - depth[0][last];
         if ALPHA {
             for i in 0..ANGLES {
-                (gaps.d1[i], gaps.d2[i]) = (-depth.d1[i], -depth.d2[i]);
+                (gaps[1][i], gaps[2][i]) = (-depth[1][i], -depth[2][i]);
             }
         }
         gaps
@@ -154,7 +125,7 @@ impl RotatedArc<'_> {
         let n = self.arc.intervals();
         let x = libm::atan2(e[1], e[0]).rem_euclid(TAU) / TAU * n as f64;
         let k = x as usize;
-        let depth = self.journal.depths::<2>(self.journal.turned(alpha), k % n).depth;
+        let [depth, ..] = self.journal.depths::<2>(self.journal.turned(alpha), k % n);
         self.arc.gap_along(e) - depth[0] - (x - k as f64) * (depth[1] - depth[0])
     }
 
@@ -168,14 +139,10 @@ impl RotatedArc<'_> {
     pub(super) fn nearest(&self, e: [f64; 2], alpha: f64) -> ([f64; 2], f64) {
         let n = self.arc.intervals();
         let at = self.journal.turned(alpha);
-        let gap = |k: usize| self.arc.gap(e, k % n) - self.journal.depths::<1>(at, k % n).depth[0];
-        let nearest = (0..n).fold(0, |best, k| if gap(k) > gap(best) { k } else { best });
-        let (before, here, after) = (gap(nearest + n - 1), gap(nearest), gap(nearest + 1));
-        let bend = before - 2.0 * here + after;
-        let offset = if bend < 0.0 { 0.5 * (before - after) / bend } else { 0.0 };
-        let (s, c) = libm::sincos(TAU * (nearest as f64 + offset) / n as f64);
+        let gap = |k: usize| self.arc.gap(e, k % n) - self.journal.depths::<1>(at, k % n)[0][0];
+        let (nearest, direction, offset) = peak(n, gap);
         let turned = self.journal.turned(alpha - offset * TAU / n as f64);
-        ([c, s], -self.journal.depths::<1>(turned, nearest).d1[0])
+        (direction, -self.journal.depths::<1>(turned, nearest)[1][0])
     }
 
     /// Parts of the integral of g that belong to the angles of each segment in contact, for intervals of length one, into `parts`, and the integral of g
@@ -189,10 +156,10 @@ impl RotatedArc<'_> {
             let mut any = self.touching(e, at, g, 0.0);
             while any != 0 {
                 let (s, segment) = self.next_segment(g, &mut any);
-                let gaps = self.gaps::<false>(e, at, s, segment).gap;
+                let [gaps, ..] = self.gaps::<false>(e, at, s, segment);
                 let (mut to_a, mut to_b) = ([0.0; SEGMENT], [0.0; SEGMENT]);
                 for i in 0..SEGMENT {
-                    [to_a[i], to_b[i]] = IntervalWeights::new(gaps[i], gaps[i + 1]).first;
+                    ([to_a[i], to_b[i]], _) = interval_weights(gaps[i], gaps[i + 1]);
                 }
                 let mut of = SegmentParts { first: s * SEGMENT, part: [0.0; ANGLES] };
                 of.part[..SEGMENT].copy_from_slice(&to_a);
@@ -223,8 +190,7 @@ impl RotatedArc<'_> {
     /// Table interval of the journal turned by `alpha` [rad] at the first angle of the bore's table, and the fraction there.
     #[inline(always)]
     pub(crate) fn place(&self, alpha: f64) -> (usize, f64) {
-        let Rotated { base, fraction } = self.journal.turned(alpha);
-        (base, fraction)
+        self.journal.turned(alpha)
     }
 }
 
@@ -243,30 +209,22 @@ impl SegmentParts {
 }
 
 /// First and second derivatives aa, ab, bb of the potential of an interval of length one to the gaps at its ends; zero where neither
-/// is positive.
-struct IntervalWeights {
-    first: [f64; 2],
-    second: [f64; 3],
-}
-
-impl IntervalWeights {
-    /// Of an interval with the larger gap h and the smaller one l the share f = h / (h - l), at most one, is in contact; the formulas
-    /// are those of `integrals.rs`, without branches.
-    #[inline(always)]
-    fn new(a: f64, b: f64) -> Self {
-        let falls = b < a;
-        let (high, low) = if falls { (a, b) } else { (b, a) };
-        let high = if high > 0.0 { high } else { 0.0 };
-        let (over, under) = if low > 0.0 { (low, 0.0) } else { (0.0, low) };
-        let f = high / (high - under + f64::MIN_POSITIVE);
-        let (f2, f3) = (f * f, f * f * f * (1.0 / 3.0));
-        let near = high * (0.5 * f - f2 * (1.0 / 6.0)) + over * (1.0 / 6.0);
-        let far = high * f2 * (1.0 / 6.0) + over * (1.0 / 3.0);
-        let (near_2, mixed, far_2) = (f - f2 + f3, 0.5 * f2 - f3, f3);
-        let (wa, wb) = if falls { (near, far) } else { (far, near) };
-        let (aa, bb) = if falls { (near_2, far_2) } else { (far_2, near_2) };
-        IntervalWeights { first: [wa, wb], second: [aa, mixed, bb] }
-    }
+/// is positive. Of an interval with the larger gap h and the smaller one l the share f = h / (h - l), at most one, is in contact; the
+/// formulas are those of `integrals.rs`, without branches.
+#[inline(always)]
+fn interval_weights(a: f64, b: f64) -> ([f64; 2], [f64; 3]) {
+    let falls = b < a;
+    let (high, low) = if falls { (a, b) } else { (b, a) };
+    let high = if high > 0.0 { high } else { 0.0 };
+    let (over, under) = if low > 0.0 { (low, 0.0) } else { (0.0, low) };
+    let f = high / (high - under + f64::MIN_POSITIVE);
+    let (f2, f3) = (f * f, f * f * f * (1.0 / 3.0));
+    let near = high * (0.5 * f - f2 * (1.0 / 6.0)) + over * (1.0 / 6.0);
+    let far = high * f2 * (1.0 / 6.0) + over * (1.0 / 3.0);
+    let (near_2, mixed, far_2) = (f - f2 + f3, 0.5 * f2 - f3, f3);
+    let (wa, wb) = if falls { (near, far) } else { (far, near) };
+    let (aa, bb) = if falls { (near_2, far_2) } else { (far_2, near_2) };
+    ([wa, wb], [aa, mixed, bb])
 }
 
 /// Adds twice the potential, its gradient x, y, its second derivative xx, xy, yy and, if `ALPHA`, its derivative to alpha and the mixed and second
@@ -280,8 +238,8 @@ fn add_segment<const ALPHA: bool>(sums: &mut [[f64; SEGMENT]; 10], segment: &Seg
     (x[last], y[last]) = (end[0], end[1]);
     for i in 0..last {
         let (ux, uy, vx, vy) = (x[i], y[i], x[i + 1], y[i + 1]);
-        let (a, b, da, db) = (gaps.gap[i], gaps.gap[i + 1], gaps.d1[i], gaps.d1[i + 1]);
-        let IntervalWeights { first: [wa, wb], second: [aa, ab, bb] } = IntervalWeights::new(a, b);
+        let (a, b, da, db) = (gaps[0][i], gaps[0][i + 1], gaps[1][i], gaps[1][i + 1]);
+        let ([wa, wb], [aa, ab, bb]) = interval_weights(a, b);
         sums[0][i] += wa * a + wb * b;
         sums[1][i] += wa * ux + wb * vx;
         sums[2][i] += wa * uy + wb * vy;
@@ -296,6 +254,6 @@ fn add_segment<const ALPHA: bool>(sums: &mut [[f64; SEGMENT]; 10], segment: &Seg
         let (to_a, to_b) = (aa * da + ab * db, ab * da + bb * db);
         sums[7][i] += to_a * ux + to_b * vx;
         sums[8][i] += to_a * uy + to_b * vy;
-        sums[9][i] += to_a * da + to_b * db + wa * gaps.d2[i] + wb * gaps.d2[i + 1];
+        sums[9][i] += to_a * da + to_b * db + wa * gaps[2][i] + wb * gaps[2][i + 1];
     }
 }

@@ -76,7 +76,7 @@ impl<R: Real> RotatedCells<R> {
         self.slope.set_lane(lane, -(arc.intervals() as f64) / TAU);
         let side = SIDE * arc.scale;
         let of_arc = (arc.reach, [side, side, 1.0]);
-        self.cells.set(lane, of_arc, &mut OfPairs { pairs: &[], contents: &mut self.contents });
+        self.cells.set(lane, of_arc, &mut self.contents);
     }
 
     /// Integrals over the arcs of these bores and journals `(lanes,)` in contact at the eccentricity `e` [m] with the journals turned by `alpha`
@@ -95,8 +95,7 @@ impl<R: Real> RotatedCells<R> {
         }
         // Intervals of the journal's table, counted on over full turns, are the largest cells about whole numbers of this coordinate.
         let place = alpha * self.slope - 0.5;
-        let contents = &mut OfPairs { pairs, contents: &mut self.contents };
-        self.cells.find([e[0], e[1], place], touches, contents);
+        self.cells.find([e[0], e[1], place], touches, pairs, &mut self.contents);
         let centre = self.cells.centre;
         let x = [e[0] - centre[0], e[1] - centre[1]];
         let f = place - centre[2].round() + 0.5;
@@ -126,7 +125,7 @@ impl<R: Real> RotatedCells<R> {
                 let at = [e[0].lane(lane), e[1].lane(lane)];
                 if self.cells.is_lane_overfull(lane, at) {
                     let (arc, journal) = &pairs[lane];
-                    let one = RotatedArc { arc, journal }.integrate::<true>(at, alpha.lane(lane));
+                    let one = RotatedArc { arc, journal }.integrals::<true>(at, alpha.lane(lane));
                     one.write_lane::<R>(lane, &mut all);
                 }
             }
@@ -135,17 +134,18 @@ impl<R: Real> RotatedCells<R> {
     }
 }
 
-/// The contents with the bores and journals from which they are prepared, one per lane `(lanes,)`.
-struct OfPairs<'a, R> {
-    pairs: &'a [(Arc, JournalTable)],
-    contents: &'a mut RotatedContents<R>,
-}
+impl<R: Real> CellContents<R, 3> for RotatedContents<R> {
+    type Table = (Arc, JournalTable);
 
-impl<R: Real> CellContents<R, 3> for OfPairs<'_, R> {
     #[inline(always)]
-    fn fill(&mut self, lane: usize, [x, y, place]: [f64; 3], half: [f64; 3]) -> usize {
+    fn fill(
+        &mut self,
+        (arc, journal): &Self::Table,
+        lane: usize,
+        [x, y, place]: [f64; 3],
+        half: [f64; 3],
+    ) -> usize {
         let (centre, margin) = ([x, y], change_of_gaps(half[0]));
-        let (arc, journal) = &self.pairs[lane];
         let turned = RotatedArc { arc, journal };
         let base = Real::round(place);
         let (f, turned_by) = (place - base + 0.5, half[2] * 1.000_001);
@@ -156,7 +156,7 @@ impl<R: Real> CellContents<R, 3> for OfPairs<'_, R> {
             let mut any = turned.touching(centre, at, g, margin);
             while any != 0 {
                 let (s, of_bore) = turned.next_segment(g, &mut any);
-                let segment = &mut self.contents.segmentes[lane][s];
+                let segment = &mut self.segmentes[lane][s];
                 if segment.base != base {
                     segment.base = base;
                     segment.prepare(of_bore, journal, at, s * SEGMENT);
@@ -171,18 +171,18 @@ impl<R: Real> CellContents<R, 3> for OfPairs<'_, R> {
                     let k = ends.trailing_zeros() as usize;
                     ends &= ends - 1;
                     if found < MOST {
-                        self.contents.ends[found].set_lane(lane, segment, k, centre);
+                        self.ends[found].set_lane(lane, segment, k, centre);
                     }
                     found += 1;
                 }
             }
         }
-        whole.write_lane::<R>(lane, &mut self.contents.whole);
+        whole.write_lane::<R>(lane, &mut self.whole);
         found
     }
 
     #[inline(always)]
     fn leave_free(&mut self, lane: usize, k: usize) {
-        self.contents.ends[k].set_lane(lane, &RotatedSegment::NONE, 0, [0.0; 2]);
+        self.ends[k].set_lane(lane, &RotatedSegment::NONE, 0, [0.0; 2]);
     }
 }

@@ -19,15 +19,6 @@ pub(super) const SEGMENT: usize = 16;
 /// Segmentes of a group, as many numbers as the widest vectors hold.
 pub(super) const GROUP: usize = 8;
 
-/// Segmentes of a group that touch, and those in contact from end to end; bit i stands for segment i of the group.
-#[derive(Clone, Copy)]
-pub struct SegmentContact {
-    /// Segmentes that may be in contact.
-    pub any: u32,
-    /// Those of them whose intervals are all in contact.
-    pub whole: u32,
-}
-
 /// What decides whether the segmentes of a group touch; segmentes beyond the end of the bore never do.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SegmentGroup {
@@ -48,9 +39,10 @@ impl SegmentGroup {
     };
 
     /// Segmentes that touch at the eccentricity `e` [m], or at any within `margin` of it [m]. A wave e.u between the gaps a and b at the ends is at least the smaller of two
-    /// positive ones, and at most the larger times `widening`, one over the cosine of half the angle between the ends.
+    /// positive ones, and at most the larger times `widening`, one over the cosine of half the angle between the ends. Returns the segmentes
+    /// that may be in contact, and those of them whose intervals are all in contact; bit i stands for segment i of the group.
     #[inline(always)]
-    pub(super) fn touched(&self, e: [f64; 2], widening: f64, margin: f64) -> SegmentContact {
+    pub(super) fn touched(&self, e: [f64; 2], widening: f64, margin: f64) -> [u32; 2] {
         let (a, b) = (self.ends[0].gaps(e), self.ends[1].gaps(e));
         let (mut above, mut within) = ([0.0; GROUP], [0.0; GROUP]);
         for i in 0..GROUP {
@@ -60,7 +52,7 @@ impl SegmentGroup {
             above[i] = widest - self.least[i] + margin;
             within[i] = low - most - margin;
         }
-        SegmentContact { any: positive(&above), whole: positive(&within) }
+        [positive(&above), positive(&within)]
     }
 
     /// Segmentes that may touch at the eccentricity `e` [m] a journal that is worn by at least `worn` `(GROUP,)` [m] along each.

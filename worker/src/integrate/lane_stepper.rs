@@ -4,10 +4,7 @@
 //! which is why there are two steppers: all lanes linearise and try a step in the same round, so that a lane whose step was
 //! refused linearises the same state again. The result of a lane does not depend on the other lanes.
 
-use super::{
-    Closed, Dynamics, IntegrationError, Linearised, Rosenbrock, SpanProgress, StepControl, StepDecisions,
-    step_ratio,
-};
+use super::{Dynamics, IntegrationError, Linearised, Rosenbrock, SpanProgress, StepControl, step_ratio};
 use crate::lanes::{InLane, Lanewise, Real, read_lane};
 use std::ops::Range;
 
@@ -24,7 +21,7 @@ pub trait SteppedLanes<R: Real>: Dynamics<R> {
     /// speed at impact update it here.
     fn on_accepted(&mut self, at: &Linearised<R>);
     /// Moves positions and velocities back onto the constraints of ideal joints at the times `t` [s], in lanes where `wanted` is one.
-    fn close(&mut self, t: R, wanted: R, q: &mut [R], v: &mut [R]) -> Closed<R>;
+    fn close(&mut self, t: R, wanted: R, q: &mut [R], v: &mut [R]) -> [R; 2];
     /// Inverse scales of the local error of position and velocity `(n,)` [1/m or 1/rad, s/m or s/rad].
     fn inverse_scales(&self) -> &[(R, R)];
 }
@@ -154,7 +151,7 @@ impl<R: Real> LaneStepper<R> {
         let s = &mut self.scheme;
         self.open_q.copy_from_slice(&s.new_q);
         self.open_v.copy_from_slice(&s.new_v);
-        let Closed { drift, closed } = system.close(t, wanted, &mut s.new_q, &mut s.new_v);
+        let [drift, closed] = system.close(t, wanted, &mut s.new_q, &mut s.new_v);
         let mut moved = zero;
         for (i, &(inverse_q, inverse_v)) in system.inverse_scales().iter().enumerate() {
             moved = moved.larger((s.new_q[i] - self.open_q[i]).abs() * inverse_q);
@@ -190,8 +187,7 @@ impl<R: Real> LaneStepper<R> {
         let under_way = R::select(time.below(end), entered, zero);
         let tried = R::select(steps.below(control.bound), under_way, zero);
         self.progress.forces = self.progress.forces.plus_product(tried, one + one) + entered * self.fresh;
-        let StepDecisions { accepted, too_small } =
-            self.progress.decide(tried, self.tried, self.error, self.ratio);
+        let [accepted, too_small] = self.progress.decide(tried, self.tried, self.error, self.ratio);
         let is_accepted = zero.below(accepted);
         for i in 0..self.q.len() {
             self.q[i] = R::select(is_accepted, self.scheme.new_q[i], self.q[i]);

@@ -1,8 +1,8 @@
 //! Two steppers integrate the dynamics: `Stepper` one island, `LaneStepper` many islands at once. They must take the same decisions.
 
 use super::{
-    Band, Closed, Dynamics, IntegrationError, LaneStepper, Linearised, StateObserver, StepControl,
-    StepCounts, Stepped, SteppedLanes, Stepper,
+    Band, Dynamics, IntegrationError, LaneStepper, Linearised, StateObserver, StepControl, StepCounts,
+    Stepped, SteppedLanes, Stepper,
 };
 use std::ops::Range;
 
@@ -46,8 +46,8 @@ impl SteppedLanes<f64> for Bouncing {
         0.0
     }
     fn on_accepted(&mut self, _at: &Linearised) {}
-    fn close(&mut self, _t: f64, wanted: f64, _q: &mut [f64], _v: &mut [f64]) -> Closed {
-        Closed { drift: 0.0, closed: wanted }
+    fn close(&mut self, _t: f64, wanted: f64, _q: &mut [f64], _v: &mut [f64]) -> [f64; 2] {
+        [0.0, wanted]
     }
     fn inverse_scales(&self) -> &[(f64, f64)] {
         &[(1.0 / 1e-4, 1.0)]

@@ -27,7 +27,7 @@ pub(crate) use layout::Layout;
 pub(crate) use linear::{Pivoted, add_product, factor, solve};
 pub use progress::{IntegrationError, StepControl, StepCounts};
 pub(crate) use progress::{
-    SpanProgress, StepDecisions, nan_as_infinite, projected_step_ratio, step_ratio, worst_coordinate,
+    SpanProgress, nan_as_infinite, projected_step_ratio, step_ratio, worst_coordinate,
 };
 pub(crate) use projected::ProjectedStep;
 pub(crate) use rosenbrock::Rosenbrock;
@@ -112,15 +112,6 @@ pub enum Passing {
     Unclear,
     /// The motion branches there.
     Branching,
-}
-
-/// Ideal joints moved back onto their constraints, lane by lane.
-#[derive(Debug, Clone, Copy)]
-pub struct Closed<R = f64> {
-    /// Largest distance by which a joint had drifted open (angles times the size of the mechanism) [m].
-    pub drift: R,
-    /// One where the joints are closed, zero where they could not be closed or were not to be.
-    pub closed: R,
 }
 
 /// f and its derivatives at one instant.

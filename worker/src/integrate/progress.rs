@@ -149,15 +149,6 @@ pub struct SpanProgress<R = f64> {
 
 lanewise!(numbers SpanProgress { time, end, control, steps, rejected, forces, drift });
 
-/// Decisions about the steps just tried, lane by lane: one where it applies, else zero.
-#[derive(Debug, Clone, Copy)]
-pub struct StepDecisions<R> {
-    /// The state at the end of the step is the new state.
-    pub accepted: R,
-    /// The step is refused, and the next one would be below its bound.
-    pub too_small: R,
-}
-
 impl SpanProgress {
     /// The start of a span of time [s].
     pub(crate) fn new(span: Range<f64>, control: StepControl) -> Self {
@@ -210,9 +201,10 @@ impl<R: Real> SpanProgress<R> {
 
     /// Accepts or refuses a step of length `h` [s] whose estimated error over its tolerance is `error` [1] (infinite if the
     /// step has no finite one), and adapts the length of the next step; `ratio` is the [`step_ratio`](super::step_ratio) of this error.
-    /// Only lanes where `tried` is one change.
+    /// Only lanes where `tried` is one change. Returns one, else zero, lane by lane: where the state at the end of the step is the
+    /// new state, and where the step is refused and the next one would be below its bound.
     #[inline(always)]
-    pub(crate) fn decide(&mut self, tried: R, h: R, error: R, ratio: R) -> StepDecisions<R> {
+    pub(crate) fn decide(&mut self, tried: R, h: R, error: R, ratio: R) -> [R; 2] {
         let (zero, one) = (h.zero(), h.like(1.0));
         let accepted = R::select(one.below(error), zero, tried);
         let refused = tried - accepted;
@@ -224,7 +216,7 @@ impl<R: Real> SpanProgress<R> {
         let step = R::select(is_accepted, self.control.lengthened(h, ratio), self.control.step);
         self.control.step = R::select(is_refused, self.control.shortened(h, ratio), step);
         let too_small = R::select(self.control.step.below(self.control.smallest), refused, zero);
-        StepDecisions { accepted, too_small }
+        [accepted, too_small]
     }
 }
 

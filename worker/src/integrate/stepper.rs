@@ -6,7 +6,7 @@
 
 use super::{
     IntegrationError, Linearised, Passing, ProjectedStep, Rosenbrock, SpanProgress, State, StepControl,
-    StepCounts, StepDecisions, Stepped, nan_as_infinite, projected_step_ratio, step_ratio, worst_coordinate,
+    StepCounts, Stepped, nan_as_infinite, projected_step_ratio, step_ratio, worst_coordinate,
 };
 use crate::lanes::{Vectorised, fused};
 use std::ops::Range;
@@ -134,7 +134,7 @@ impl Stepper {
                 let (h, error) = self.try_any_step(system, progress, is_first, (q, v))?;
                 let ratio =
                     if system.is_projected() { projected_step_ratio(error) } else { step_ratio(error) };
-                let StepDecisions { accepted, too_small } = progress.decide(1.0, h, error, ratio);
+                let [accepted, too_small] = progress.decide(1.0, h, error, ratio);
                 if too_small > 0.0 {
                     return Err(progress.too_small(error));
                 }

@@ -32,24 +32,14 @@ impl std::str::FromStr for Format {
     }
 }
 
-/// What a program logs, and how.
-#[derive(Debug, Clone, Copy)]
-pub struct LogOptions<'a> {
-    /// Levels by module, in the syntax of [`EnvFilter`].
-    pub levels: &'a str,
-    /// Environment variable that overrides `levels`.
-    pub variable: &'a str,
-    /// Format of the lines.
-    pub format: Format,
-    /// Whether lines name the module they come from.
-    pub with_module: bool,
-}
-
-/// Starts the log. A program calls this once.
-pub fn start(options: LogOptions<'_>) {
-    let filter = EnvFilter::try_from_env(options.variable).unwrap_or_else(|_| EnvFilter::new(options.levels));
-    let lines = fmt::layer().with_writer(std::io::stderr).with_target(options.with_module);
-    let lines = match options.format {
+/// Starts the log in this `format`. A program calls this once.
+///
+/// `levels` are those of the modules, in the syntax of [`EnvFilter`], `variable` an environment variable that overrides them. Lines name the
+/// module they come from if `with_module`.
+pub fn start(levels: &str, variable: &str, format: Format, with_module: bool) {
+    let filter = EnvFilter::try_from_env(variable).unwrap_or_else(|_| EnvFilter::new(levels));
+    let lines = fmt::layer().with_writer(std::io::stderr).with_target(with_module);
+    let lines = match format {
         Format::Text => lines.with_ansi(std::io::stderr().is_terminal()).boxed(),
         Format::Json => lines.json().flatten_event(true).boxed(),
     };

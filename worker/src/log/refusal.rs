@@ -128,33 +128,35 @@ const CAUSES: [(&[&str], &str); 14] = [
 ];
 
 fn cause(text: &str) -> Option<&'static str> {
-    let text = text.to_lowercase();
-    CAUSES.iter().find(|(parts, _)| parts.iter().any(|part| text.contains(part))).map(|(_, cause)| *cause)
+    meaning(&CAUSES, &text.to_lowercase())
+}
+
+/// The first of these meanings of which a phrase is in a text.
+fn meaning(table: &[(&[&str], &'static str)], text: &str) -> Option<&'static str> {
+    table.iter().find(|(parts, _)| parts.iter().any(|part| text.contains(part))).map(|(_, means)| *means)
 }
 
 /// Phrases in Zenoh's messages for connections to this process, with their cause. Other messages may come from a broken
 /// connection or a port scan and are not reported.
-const REFUSALS: [(&str, &str); 11] = [
-    ("Invalid password", "wrong password"),
-    ("Invalid user", "the user is not in the dictionary"),
-    ("Recv InitSyn. Expected extension", "no user and password given"),
-    ("peer sent no certificates", "no client certificate given (enable_mtls requires one)"),
-    ("peer certificate: BadSignature", "the client certificate was signed by another authority"),
-    ("peer certificate: UnknownIssuer", "the client certificate was signed by another authority"),
-    ("peer certificate: Expired", "the client certificate has expired, or this machine's clock is wrong"),
+const REFUSALS: [(&[&str], &str); 9] = [
+    (&["Invalid password"], "wrong password"),
+    (&["Invalid user"], "the user is not in the dictionary"),
+    (&["Recv InitSyn. Expected extension"], "no user and password given"),
+    (&["peer sent no certificates"], "no client certificate given (enable_mtls requires one)"),
     (
-        "fatal alert: DecryptError",
+        &["peer certificate: BadSignature", "peer certificate: UnknownIssuer"],
+        "the client certificate was signed by another authority",
+    ),
+    (&["peer certificate: Expired"], "the client certificate has expired, or this machine's clock is wrong"),
+    (
+        &["fatal alert: DecryptError", "fatal alert: UnknownCA"],
         "the client does not accept this coordinator's certificate: it was signed by another authority",
     ),
     (
-        "fatal alert: UnknownCA",
-        "the client does not accept this coordinator's certificate: it was signed by another authority",
-    ),
-    (
-        "fatal alert: BadCertificate",
+        &["fatal alert: BadCertificate"],
         "the client does not accept this coordinator's certificate: it does not list the name used to connect",
     ),
-    ("received corrupt message", "the client does not use TLS: workers must connect with tls/ here"),
+    (&["received corrupt message"], "the client does not use TLS: workers must connect with tls/ here"),
 ];
 
 /// Warning for a message about a refused connection; `None` for other messages.
@@ -172,7 +174,7 @@ fn refused(text: &str) -> Option<String> {
              (zenohd), see deploy/README.md, Several sites"
         ));
     }
-    let (_, why) = REFUSALS.iter().find(|(part, _)| text.contains(part))?;
+    let why = meaning(&REFUSALS, text)?;
     Some(format!("a connection was refused: {why}"))
 }
 

@@ -101,9 +101,9 @@ pub fn ideal_cycle(
             Err(stop) => watch.ahead(stop.time, &q),
         };
         if let Some(stop) = found {
-            return Err(change_point(scene, &stop));
+            return Err(stopped(scene, stop, true));
         }
-        followed.map_err(|stop| dead_point(scene, &stop))?;
+        followed.map_err(|stop| stopped(scene, stop, false))?;
         if k % refine == 0 {
             poses.push(pose(&closure, time(k), &q));
         }
@@ -140,7 +140,7 @@ fn follow(
                     fits = correction <= (CORRECTION_OF_MOTION * far).max(CORRECTION_OF_SIZE * closure.size)
                         && closure.orientation(t + ahead, &trial) == orientation;
                 }
-                Err(open) => (fits, culprit) = (false, Some(open.joint)),
+                Err(open) => (fits, culprit) = (false, Some(open)),
             }
         }
         if fits {
@@ -167,21 +167,13 @@ pub(crate) fn ideal_accelerations(scene: &Scene, poses: &[Pose]) -> Option<Vec<V
     poses.iter().map(|pose| acceleration(pose).map(|a| closure.split(&a))).collect()
 }
 
-/// The failure, with the first driven body and its angle.
-fn dead_point(scene: &Scene, stop: &Stop) -> SimulationFailure {
-    let (body, angle) = drive(scene, stop.time);
-    SimulationFailure::DeadPoint {
-        joint: scene.joints[stop.joint].name.clone(),
-        time: stop.time,
-        body,
-        angle,
+/// The failure at this position, a change point or a dead one, with the first driven body and its angle.
+fn stopped(scene: &Scene, Stop { time, joint }: Stop, is_change_point: bool) -> SimulationFailure {
+    let ((body, angle), joint) = (drive(scene, time), scene.joints[joint].name.clone());
+    if is_change_point {
+        return SimulationFailure::ChangePoint { joint, body, angle };
     }
-}
-
-/// The failure, with the first driven body and its angle.
-fn change_point(scene: &Scene, stop: &Stop) -> SimulationFailure {
-    let (body, angle) = drive(scene, stop.time);
-    SimulationFailure::ChangePoint { joint: scene.joints[stop.joint].name.clone(), body, angle }
+    SimulationFailure::DeadPoint { joint, time, body, angle }
 }
 
 /// Name of the first driven body, and its angle at time `t` [s] [rad].

@@ -28,14 +28,6 @@ const LONGEST_STEP: f64 = 0.5;
 /// determined: accelerations near a dead point are thousands of times those elsewhere.
 const DETERMINED: f64 = 1e-4;
 
-/// A joint that is open.
-pub struct Open {
-    /// Index of the joint with the largest gap.
-    pub joint: usize,
-    /// Its gap, angles as lengths [m].
-    pub gap: f64,
-}
-
 /// The closure equations of a scene.
 pub struct Closure<'a> {
     pub(super) scene: &'a Scene,
@@ -174,13 +166,13 @@ impl<'a> Closure<'a> {
     }
 
     /// The joint with the largest gap in these gaps.
-    fn most_open(&self, phi: &DVector<f64>) -> Open {
-        let mut worst = Open { joint: 0, gap: 0.0 };
+    fn most_open(&self, phi: &DVector<f64>) -> (usize, f64) {
+        let mut worst = (0, 0.0);
         for (joint, (c, &row)) in self.constraints.iter().zip(&self.row).enumerate() {
             let gap = phi.rows(row, c.rows()).norm();
             // A comparison with NaN is false: count it as the largest gap.
-            if gap > worst.gap || gap.is_nan() {
-                worst = Open { joint, gap };
+            if gap > worst.1 || gap.is_nan() {
+                worst = (joint, gap);
             }
         }
         worst
@@ -190,7 +182,7 @@ impl<'a> Closure<'a> {
     /// [m], and the size of the angle between its bodies beyond the one it prescribes [rad].
     pub(crate) fn contradiction(&self, t: f64, q: &DVector<f64>) -> (usize, f64, f64) {
         let phi = self.gaps(t, q).phi;
-        let joint = self.most_open(&phi).joint;
+        let (joint, _) = self.most_open(&phi);
         let (c, row) = (&self.constraints[joint], self.row[joint]);
         let of = |wanted: bool| (0..c.rows()).filter(move |&r| c.is_angle(r) == wanted).map(|r| phi[row + r]);
         let gap = of(false).fold(0.0, libm::hypot);
@@ -200,19 +192,20 @@ impl<'a> Closure<'a> {
     /// Closes every joint at time `t` by Newton's method from `q`.
     ///
     /// # Errors
-    /// [`Open`] with the joint of the largest remaining gap.
-    pub(crate) fn close(&self, t: f64, q: &mut DVector<f64>, iterations: &mut u64) -> Result<(), Open> {
-        let mut worst = Open { joint: 0, gap: f64::INFINITY };
+    /// The joint of the largest remaining gap.
+    pub(crate) fn close(&self, t: f64, q: &mut DVector<f64>, iterations: &mut u64) -> Result<(), usize> {
+        let mut worst = 0;
         let mut bound = None;
         for _ in 0..MOST_ITERATIONS {
             let Gaps { phi, jacobian, .. } = self.gaps(t, q);
-            worst = self.most_open(&phi);
-            if worst.gap <= (CLOSED * self.size).max(ROUNDING * farthest(q.as_slice(), self.size)) {
+            let (joint, gap) = self.most_open(&phi);
+            worst = joint;
+            if gap <= (CLOSED * self.size).max(ROUNDING * farthest(q.as_slice(), self.size)) {
                 return Ok(());
             }
             *iterations += 1;
             let step = self.to_coordinates(least_norm(&jacobian, &phi));
-            let bound = *bound.get_or_insert(LONGEST_STEP * worst.gap.max(self.size));
+            let bound = *bound.get_or_insert(LONGEST_STEP * gap.max(self.size));
             let longest = self.largest(&step);
             *q -= step * (bound / longest).min(1.0);
         }

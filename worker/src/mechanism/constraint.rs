@@ -21,7 +21,7 @@ use super::coupling::{Geometry, second_derivative};
 use super::frame::{End, Frame};
 use super::piecewise_cubic::Jet;
 use super::prescribed::Prescribed;
-use super::sliding::{FrictionConstants, NormalForce, Sliding};
+use super::sliding::{FrictionConstants, Sliding};
 use crate::lanes::{Real, lanewise, same_in_lanes};
 use crate::plane::{dot, left};
 use common::scene::{GuideClearance, IdealFriction, JointKind, Mesh};
@@ -132,7 +132,8 @@ impl Constraint {
 
     /// The constraint with this friction.
     pub(crate) fn with_friction(self, friction: Option<IdealFriction>) -> Self {
-        Constraint { friction: friction.map(FrictionConstants::from), ..self }
+        let constants = |IdealFriction { coefficient, speed, size }| [coefficient, speed, size];
+        Constraint { friction: friction.map(constants), ..self }
     }
 
     /// Size of the force the joint transmits, for multipliers `lambda` of its rows and the `friction` along a prismatic joint [N]. A
@@ -166,13 +167,10 @@ impl<R: Real> Constraint<R> {
         (self.kind == Kind::Distance).then(|| [-(s * rate * self.angle), -(of_acceleration * self.angle)])
     }
 
-    /// Normal force that the friction of the joint follows, if it has friction.
-    pub(super) fn normal_force(&self) -> Option<NormalForce<R>> {
-        let size = self.friction?.size;
-        Some(match self.kind {
-            Kind::Prismatic => NormalForce::in_guide(size),
-            _ => NormalForce { per_half: None },
-        })
+    /// Inverse of half the length of a guide with friction [1/m].
+    pub(super) fn per_half(&self) -> Option<R> {
+        let [_, _, length] = self.friction?;
+        (self.kind == Kind::Prismatic).then(|| length.like(2.0) / length)
     }
 
     /// How the two bodies slide on each other, if the joint has friction.

@@ -96,8 +96,8 @@ impl Island {
         let mut ideal = self.ideal.clone();
         ideal.update_inputs(t, &frames);
         ideal.constraints.iter_mut().for_each(Constraint::stop);
-        let existence = ideal.add_reactions(placed, &mut change);
-        (existence.independent > 0.0).then_some(change)
+        let [independent, _] = ideal.add_reactions(placed, &mut change);
+        (independent > 0.0).then_some(change)
     }
 
     /// Frame of a body of the island in a state.
@@ -109,16 +109,9 @@ impl Island {
     }
 }
 
-/// A corner of a slider at one instant.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Corner {
-    /// Overlap with the face of the guide, negative in free flight [m].
-    pub overlap: f64,
-    /// Its rate [m/s].
-    pub rate: f64,
-    /// Gradient of the overlap to the coordinates of the slider's body, then of the guide's `(6,)` [1, m].
-    pub gradient: [f64; 6],
-}
+/// A corner of a slider at one instant: overlap with the face of the guide, negative in free flight [m], its rate [m/s], and the gradient of the overlap
+/// to the coordinates of the slider's body, then of the guide's `(6,)` [1, m].
+type Corner = (f64, f64, [f64; 6]);
 
 impl Island {
     /// Corners of the slider of guide number `guide` in the state `at`: the two of the left face, then those of the right `(4,)`.
@@ -152,11 +145,7 @@ impl WearingGuide {
             let (n, points) = self.flat.face(face, t, frames);
             let at = &points[if last { 2 } else { 0 }];
             let (depth, slope) = self.corner_depth(face, last, dot(t, at.d) - base);
-            Corner {
-                overlap: at.overlap - depth,
-                rate: at.rate - slope * at.sliding,
-                gradient: gradient(n, at.a, at.d),
-            }
+            (at.overlap - depth, at.rate - slope * at.sliding, gradient(n, at.a, at.d))
         })
     }
 }

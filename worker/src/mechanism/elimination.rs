@@ -53,15 +53,6 @@ pub struct Elimination<R = f64> {
     pub(crate) friction: JointFriction<R>,
 }
 
-/// Whether the reactions of the ideal joints exist, one or zero.
-#[derive(Debug, Clone, Copy)]
-pub struct Existence<R = f64> {
-    /// One where the constraints are independent.
-    pub independent: R,
-    /// One where reactions and friction balance each other.
-    pub balanced: R,
-}
-
 impl Elimination {
     /// The elimination for an island with the diagonal mass matrix `mass` `(n,)` [kg, kg m^2].
     pub(crate) fn new(constraints: Vec<Constraint>, mass: &[f64]) -> Self {
@@ -176,8 +167,9 @@ impl<R: Real> Elimination<R> {
     }
 
     /// Adds the reactions and the friction of the joints to the applied force `f`; where they do not exist, the force is not a number.
+    /// Returns one, else zero: where the constraints are independent, and where reactions and friction balance each other.
     #[inline(always)]
-    pub(crate) fn add_reactions(&mut self, at: Placed<R>, f: &mut [R]) -> Existence<R> {
+    pub(crate) fn add_reactions(&mut self, at: Placed<R>, f: &mut [R]) -> [R; 2] {
         let independent = self.factor(at);
         let zero = independent.zero();
         for joint in 0..self.constraints.len() {
@@ -209,7 +201,7 @@ impl<R: Real> Elimination<R> {
         for k in 0..f.len() {
             f[k] = R::select(exists, f[k], nothing);
         }
-        Existence { independent, balanced }
+        [independent, balanced]
     }
 
     /// After [`Self::add_reactions`] to `to.f`: turns the derivatives of the applied force in `to` into those

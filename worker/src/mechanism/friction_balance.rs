@@ -19,7 +19,7 @@
 //! (1999), European Journal of Mechanics A/Solids 18, 653-677. Newton's method for functions with corners: Qi, Sun (1993),
 //! Mathematical Programming 58, 353-367.
 
-use super::sliding::NormalForce;
+use super::sliding::normal_force;
 use crate::integrate::{Band, Layout, factor, solve};
 use crate::lanes::Real;
 
@@ -35,8 +35,8 @@ const SMALLEST: f64 = 1e-200;
 pub struct RubbingJoint<R> {
     /// First of the two multipliers of the joint.
     pub row: usize,
-    /// Normal force N as a function of them.
-    pub law: NormalForce<R>,
+    /// Inverse of half the length of a guide, by which the normal force N follows from them [1/m]; `None` for a pin.
+    pub per_half: Option<R>,
     /// Ratio c of friction to normal force [1].
     pub ratio: R,
     /// Normal force x [N].
@@ -84,7 +84,7 @@ impl<R: Real> FrictionBalance<R> {
     pub(super) fn amplification(&self, k: usize) -> R {
         let joint = &self.joints[k];
         let own = &self.influence[k * self.m + joint.row..][..2];
-        joint.law.at([own[0], own[1]]).0 * joint.ratio.abs()
+        normal_force(joint.per_half, [own[0], own[1]]).0 * joint.ratio.abs()
     }
 
     /// Multipliers of joint `k` at the normal forces x `(2,)`.
@@ -115,7 +115,7 @@ impl<R: Real> FrictionBalance<R> {
             for k in 0..count {
                 let lambda = self.multipliers(k);
                 let joint = &mut self.joints[k];
-                let (normal, slopes) = joint.law.at(lambda);
+                let (normal, slopes) = normal_force(joint.per_half, lambda);
                 let off = joint.normal - normal;
                 joint.slopes = slopes;
                 self.column[k] = off;
@@ -178,11 +178,7 @@ mod tests {
         };
         let joint = |k: usize| RubbingJoint {
             row: 2 * k,
-            law: if k.is_multiple_of(2) {
-                NormalForce { per_half: None }
-            } else {
-                NormalForce::in_guide(0.5)
-            },
+            per_half: (!k.is_multiple_of(2)).then_some(2.0 / 0.5),
             ratio: 1.0,
             normal: 0.0,
             slopes: [0.0; 2],
@@ -194,7 +190,7 @@ mod tests {
         let m = balance.m;
         let entry = |balance: &FrictionBalance, j: usize, k: usize| {
             let joint = &balance.joints[j];
-            joint.law.at([balance.influence[k * m + joint.row], balance.influence[k * m + joint.row + 1]]).0
+            normal_force(joint.per_half, [0, 1].map(|r| balance.influence[k * m + joint.row + r])).0
         };
         let (mut x, mut found) = (vec![1.0; joints], 0.0);
         for _ in 0..300 {
@@ -217,7 +213,7 @@ mod tests {
                 let largest = balance.joints.iter().fold(0.0_f64, |a, joint| a.max(joint.normal));
                 for k in 0..joints {
                     let joint = &balance.joints[k];
-                    let off = (joint.law.at(balance.multipliers(k)).0 - joint.normal).abs();
+                    let off = (normal_force(joint.per_half, balance.multipliers(k)).0 - joint.normal).abs();
                     assert!(off <= 1e-12 * largest && joint.normal >= 0.0, "{off} of {largest}");
                 }
             }
@@ -226,8 +222,8 @@ mod tests {
 
     /// One guide with the force `lambda` without friction and `amplification` = p c.
     fn guide(lambda: f64, amplification: f64) -> (f64, f64) {
-        let law = NormalForce::in_guide(0.1);
-        let joint = RubbingJoint { row: 0, law, ratio: amplification, normal: 0.0, slopes: [0.0; 2] };
+        let per_half = Some(2.0 / 0.1);
+        let joint = RubbingJoint { row: 0, per_half, ratio: amplification, normal: 0.0, slopes: [0.0; 2] };
         let mut balance = FrictionBalance::new(vec![joint], 2, 0.0);
         balance.lambda.copy_from_slice(&[lambda, 0.0]);
         balance.influence.copy_from_slice(&[1.0, 0.0]);

@@ -136,6 +136,19 @@ pub(super) trait Guiding<R: Real> {
     fn begun(&self, frames: &[Frame<R>], before: &GuideReaction<R>, h: R) -> [R; 6];
 }
 
+/// A face of the slider and the wall of its guide, in global axes.
+pub(super) struct GuideFace<R> {
+    pub(super) face: usize,
+    /// Outward normal n of the slider's face and axis t of the guide.
+    pub(super) n: [R; 2],
+    pub(super) t: [R; 2],
+    /// Distances of the wall along n, and of the guide's point along t, from the guide's body [m].
+    wall: R,
+    pub(super) base: R,
+    /// Way from the middle of the slider to its face, in the axes of its body [m].
+    across: [R; 2],
+}
+
 /// One end of a pad at one instant.
 #[derive(Clone, Copy)]
 pub(super) struct PadEnd<R> {
@@ -219,31 +232,45 @@ impl<R: Real> Guide<R> {
         }
     }
 
-    /// Outward normal of a face, the one to the left of the axis `t` or that to the right, in global axes, and its corner, middle and corner.
+    /// A face: 0 to the left of the axis `t` in global axes, 1 to the right.
     #[inline(always)]
-    pub(super) fn face(&self, face: usize, t: [R; 2], [fa, fb]: [&Frame<R>; 2]) -> ([R; 2], [PadEnd<R>; 3]) {
-        let ([i, j], zero) = (&self.ends, self.unit.zero());
-        let side = if face == 0 { self.unit.like(1.0) } else { self.unit.like(-1.0) };
-        let n = scaled(left(t), side);
-        let wall = dot(left(self.axis), j.arm) * side + self.half_gap;
-        let across = scaled(left(self.along), side * self.half_height);
-        let mut at = [PadEnd { a: n, d: n, overlap: zero, rate: zero, sliding: zero }; 3];
-        for point in 0..3 {
-            let ahead = self.half_length * (point as f64 - 1.0);
-            let mut arm = i.arm;
-            for k in 0..2 {
-                arm[k] = arm[k] + across[k] + self.along[k] * ahead;
-            }
-            let a = fa.turn(arm);
-            let d = [fa.x[0] + a[0] - fb.x[0], fa.x[1] + a[1] - fb.x[1]];
-            // Velocity of the point against the guide's body.
-            let w = [
-                fa.v[0] - fa.omega * a[1] - fb.v[0] + fb.omega * d[1],
-                fa.v[1] + fa.omega * a[0] - fb.v[1] - fb.omega * d[0],
-            ];
-            at[point] = PadEnd { a, d, overlap: dot(n, d) - wall, rate: dot(n, w), sliding: dot(t, w) };
+    pub(super) fn side(&self, face: usize, t: [R; 2]) -> GuideFace<R> {
+        let (side, at) = (self.unit.like(if face == 0 { 1.0 } else { -1.0 }), self.ends[1].arm);
+        GuideFace {
+            face,
+            n: scaled(left(t), side),
+            t,
+            wall: dot(left(self.axis), at) * side + self.half_gap,
+            base: dot(self.axis, at),
+            across: scaled(left(self.along), side * self.half_height),
         }
-        (n, at)
+    }
+
+    /// The point of a face that lies `ahead` of its middle [m].
+    #[inline(always)]
+    pub(super) fn point(&self, face: &GuideFace<R>, ahead: R, [fa, fb]: [&Frame<R>; 2]) -> PadEnd<R> {
+        let GuideFace { n, t, wall, across, .. } = *face;
+        let mut arm = self.ends[0].arm;
+        for k in 0..2 {
+            arm[k] = arm[k] + across[k] + self.along[k] * ahead;
+        }
+        let a = fa.turn(arm);
+        let d = [fa.x[0] + a[0] - fb.x[0], fa.x[1] + a[1] - fb.x[1]];
+        // Velocity of the point against the guide's body.
+        let w = [
+            fa.v[0] - fa.omega * a[1] - fb.v[0] + fb.omega * d[1],
+            fa.v[1] + fa.omega * a[0] - fb.v[1] - fb.omega * d[0],
+        ];
+        PadEnd { a, d, overlap: dot(n, d) - wall, rate: dot(n, w), sliding: dot(t, w) }
+    }
+
+    /// Outward normal of a face in global axes, where the axis is `t`, and its corner, middle and corner.
+    #[inline(always)]
+    pub(super) fn face(&self, face: usize, t: [R; 2], bodies: [&Frame<R>; 2]) -> ([R; 2], [PadEnd<R>; 3]) {
+        let (face, half) = (self.side(face, t), self.half_length);
+        let (corner, middle) =
+            (self.point(&face, half * -1.0, bodies), self.point(&face, half * 0.0, bodies));
+        (face.n, [corner, middle, self.point(&face, half, bodies)])
     }
 
     /// Force of a pad between these ends.

@@ -10,7 +10,7 @@
 //!
 //! A guide with clearance has the two closures n.d (offset) and theta (angle) of a prismatic joint. A slider of length l has play c to
 //! either side at both of its ends, which share the reaction as the forces lambda_0 / 2 +- lambda_1 / l. Between worn faces its play is that
-//! of `rail/faces.rs`.
+//! of `rail.rs`.
 //!
 //! Valid for gaps much smaller than the links: neglected is the change of lambda within the gap, of relative size e over a link.
 //!
@@ -21,18 +21,9 @@
 use super::closure::Closure;
 use super::{Pose, Prescribed};
 use crate::plane::{dot, left};
-use common::scene::{Attachment, HeldInput, JointKind, Scene};
+use common::scene::{HeldInput, Joint, JointKind, OutputKind, Scene};
 use nalgebra::DVector;
 use std::f64::consts::{PI, TAU};
-
-/// A coordinate of the mechanism.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Coordinate {
-    /// Angle of a free body of the scene [rad].
-    Angle(usize),
-    /// Position of a place on a free body along a unit vector in global axes `(2,)` [m].
-    Position(Attachment, [f64; 2]),
-}
 
 /// What the gaps of the joints do to a coordinate in one position of the mechanism.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -50,21 +41,23 @@ pub struct Influence {
 /// Steps of the bisection by which a position of the drive is found: to rounding.
 const BISECTIONS: usize = 60;
 
-/// The influence on `sought` in each of these `poses` of the ideal mechanism; `None` if its joints and drives do not just determine the
+/// The influence on the coordinate of the backlash `sought`, the angle of a free body or the position of a place on it along a direction, in each of these `poses` of the ideal mechanism; `None` if its joints and drives do not just determine the
 /// position in one of them.
-pub(crate) fn influences(scene: &Scene, poses: &[Pose], sought: &Coordinate) -> Option<Vec<Influence>> {
+pub(crate) fn influences(scene: &Scene, poses: &[Pose], sought: &OutputKind) -> Option<Vec<Influence>> {
     let closure = Closure::new(scene);
     poses.iter().map(|pose| influence(scene, &closure, pose, sought)).collect()
 }
 
-fn influence(scene: &Scene, closure: &Closure, pose: &Pose, sought: &Coordinate) -> Option<Influence> {
+fn influence(scene: &Scene, closure: &Closure, pose: &Pose, sought: &OutputKind) -> Option<Influence> {
     let (t, q) = (pose.time, closure.joined(&pose.q));
     let gradient = match *sought {
-        Coordinate::Angle(body) => closure.gradient(body, [0.0, 0.0, 1.0]),
-        Coordinate::Position(at, along) => {
+        OutputKind::Backlash { body, .. } => closure.gradient(body, [0.0, 0.0, 1.0]),
+        OutputKind::PositionBacklash { at, direction, .. } => {
+            let (sin, cos) = libm::sincos(direction);
             let arm = closure.frame(at.body, t, &q).turn(scene.arm(&at));
-            closure.gradient(at.body, [along[0], along[1], dot(along, left(arm))])
+            closure.gradient(at.body, [cos, sin, dot([cos, sin], left(arm))])
         }
+        _ => None,
     };
     let lambda = closure.multipliers(t, &q, &gradient?)?;
     let mut found = Influence::default();
@@ -78,13 +71,7 @@ fn influence(scene: &Scene, closure: &Closure, pose: &Pose, sought: &Coordinate)
                 found.joints.push((index, along, journal.angle - bushing.angle));
             }
             JointKind::Guide(guide) if guide.wear_coefficients() != [0.0; 2] => {
-                let [slider, rail] = [&joint.journal, &joint.bushing].map(|at| {
-                    let frame = closure.frame(at.body, t, &q);
-                    (frame, frame.point(scene.arm(at)))
-                });
-                let (sin, cos) = libm::sincos(guide.axis);
-                let along = rail.0.turn([cos, sin]);
-                let s = dot(along, [0, 1].map(|k| slider.1[k] - rail.1[k]));
+                let s = place_in_guide(closure, joint, guide.axis, (t, &q));
                 found.worn_guides.push((index, [of_joint[0], of_joint[1]], s));
             }
             JointKind::Guide(guide) => {
@@ -95,6 +82,24 @@ fn influence(scene: &Scene, closure: &Closure, pose: &Pose, sought: &Coordinate)
         }
     }
     Some(found)
+}
+
+/// Position of the middle of the slider of a `joint` along the `axis` of its guide [rad], from the point of the guide [m].
+fn place_in_guide(closure: &Closure, joint: &Joint, axis: f64, (t, q): (f64, &DVector<f64>)) -> f64 {
+    let [slider, rail] = [&joint.journal, &joint.bushing].map(|at| {
+        let frame = closure.frame(at.body, t, q);
+        (frame, frame.point(closure.scene.arm(at)))
+    });
+    let (sin, cos) = libm::sincos(axis);
+    let along = rail.0.turn([cos, sin]);
+    dot(along, [0, 1].map(|k| slider.1[k] - rail.1[k]))
+}
+
+/// That position in each of these poses of the mechanism with ideal joints [m].
+pub(crate) fn places_in_guide(scene: &Scene, joint: &Joint, axis: f64, poses: &[Pose]) -> Vec<f64> {
+    let closure = Closure::new(scene);
+    let place = |pose: &Pose| place_in_guide(&closure, joint, axis, (pose.time, &closure.joined(&pose.q)));
+    poses.iter().map(place).collect()
 }
 
 /// Positions of the ideal mechanism in which a driven body has the angle of `held`, found between neighbours of the `poses` of a cycle;

@@ -3,13 +3,12 @@
 
 use super::closing::{close, least_gap};
 use super::effective_mass::begun;
-use super::elimination::Existence;
 use super::extent::farthest;
 use super::frame::{End, Placed};
 use super::island::Island;
 use super::passage::{Comparison, Passage, on_path};
 use crate::extremum::{largest, smallest};
-use crate::integrate::{Closed, Dynamics, Linearised, Passing, State, Stepped};
+use crate::integrate::{Dynamics, Linearised, Passing, State, Stepped};
 use crate::lanes::{Vectorised, fused};
 
 /// Largest gap of a joint, over the size of the mechanism, in a position that a crossing motion reaches [1].
@@ -117,23 +116,6 @@ impl Island {
     }
 }
 
-/// Closes the ideal joints of an island at time `t` [s], compiled for the instructions of this processor.
-struct Closing<'a> {
-    island: &'a mut Island,
-    t: f64,
-    q: &'a mut [f64],
-    v: &'a mut [f64],
-}
-
-impl Vectorised for Closing<'_> {
-    type Output = Closed;
-
-    #[inline(always)]
-    fn run(self) -> Closed {
-        close(self.island, self.t, 1.0, self.q, self.v)
-    }
-}
-
 impl Stepped for Island {
     fn is_constrained(&self) -> bool {
         self.ideal.rows > 0
@@ -153,7 +135,7 @@ impl Stepped for Island {
         if self.is_projected() {
             return self.close_to_rounding(t, q, v);
         }
-        let Closed { drift, closed } = fused(Closing { island: self, t, q, v });
+        let [drift, closed] = fused((self, t, ByItself::Closing(q, v)));
         (closed == 1.0).then_some(drift)
     }
 
@@ -227,43 +209,44 @@ impl Dynamics for Island {
     }
 
     fn force(&mut self, t: f64, q: &[f64], v: &[f64], f: &mut [f64]) {
-        fused(AtState { island: self, t, q, v, into: Evaluated::Force(f) });
+        fused((self, t, ByItself::Force([q, v], f)));
     }
 
     fn linearise(&mut self, t: f64, q: &[f64], v: &[f64], at: &mut Linearised) {
-        fused(AtState { island: self, t, q, v, into: Evaluated::Linearisation(at) });
+        fused((&mut *self, t, ByItself::Linearisation([q, v], at)));
         self.begin_step(t, q, v);
     }
 }
 
-/// Forces of an island in the state `q`, `v` `(n,)` at time `t` [s], compiled for the instructions of this processor once for all that
+/// What is done with an island in the state `q`, `v` `(n,)` at a time [s], compiled for the instructions of this processor once for all that
 /// integrate islands by themselves.
-struct AtState<'a> {
-    island: &'a mut Island,
-    t: f64,
-    q: &'a [f64],
-    v: &'a [f64],
-    into: Evaluated<'a>,
-}
-
-enum Evaluated<'a> {
+enum ByItself<'a> {
+    /// Closes the ideal joints; the result is that of [`close`].
+    Closing(&'a mut [f64], &'a mut [f64]),
     /// Generalised forces with the reactions of ideal joints `(n,)` [N, N m].
-    Force(&'a mut [f64]),
+    Force([&'a [f64]; 2], &'a mut [f64]),
     /// These forces with their derivatives to positions, velocities and time.
-    Linearisation(&'a mut Linearised),
+    Linearisation([&'a [f64]; 2], &'a mut Linearised),
 }
 
-impl Vectorised for AtState<'_> {
-    type Output = ();
+impl Vectorised for (&mut Island, f64, ByItself<'_>) {
+    type Output = [f64; 2];
 
     #[inline(always)]
-    fn run(self) {
-        let AtState { island, t, q, v, into } = self;
-        island.set_state(t, q, v);
-        match into {
-            Evaluated::Force(f) => island.add_forces(t, f),
-            Evaluated::Linearisation(at) => island.add_derivatives(t, at),
+    fn run(self) -> [f64; 2] {
+        let (island, t, work) = self;
+        match work {
+            ByItself::Closing(q, v) => return close(island, t, 1.0, q, v),
+            ByItself::Force([q, v], f) => {
+                island.set_state(t, q, v);
+                island.add_forces(t, f);
+            }
+            ByItself::Linearisation([q, v], at) => {
+                island.set_state(t, q, v);
+                island.add_derivatives(t, at);
+            }
         }
+        [0.0; 2]
     }
 }
 
@@ -296,7 +279,7 @@ impl Island {
             self.add_many_reactions(at);
         } else if self.ideal.rows > 0 {
             let placed = Placed { frames: &self.frames, jets: &self.jets };
-            let Existence { independent, balanced } = self.ideal.add_reactions(placed, &mut at.f);
+            let [independent, balanced] = self.ideal.add_reactions(placed, &mut at.f);
             (at.independent, at.balanced) = (Some(independent), Some(balanced));
             self.ideal.reduce_derivatives(placed, at);
         }

@@ -53,9 +53,10 @@ impl<R: Real> JointFriction<R> {
         let mut with_friction = Vec::new();
         let mut joints = Vec::new();
         for (k, (constraint, &row)) in constraints.iter().zip(first).enumerate() {
-            if let Some(law) = constraint.normal_force() {
+            if constraint.friction.is_some() {
                 with_friction.push(k);
-                joints.push(RubbingJoint { row, law, ratio: zero, normal: zero, slopes: [zero; 2] });
+                let per_half = constraint.per_half();
+                joints.push(RubbingJoint { row, per_half, ratio: zero, normal: zero, slopes: [zero; 2] });
             }
         }
         let count = joints.len();
@@ -74,9 +75,7 @@ impl<R: Real> JointFriction<R> {
     /// Follows the constants of `constraints`, which may have changed in a lane.
     pub(super) fn update(&mut self, constraints: &[Constraint<R>]) {
         for (joint, &k) in self.balance.joints.iter_mut().zip(&self.constraints) {
-            if let Some(law) = constraints[k].normal_force() {
-                joint.law = law;
-            }
+            joint.per_half = constraints[k].per_half();
         }
     }
 

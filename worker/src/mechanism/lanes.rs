@@ -3,7 +3,7 @@
 
 use super::closing::{IdealJoints, close};
 use super::effective_mass::begun;
-use super::elimination::{Elimination, Existence};
+use super::elimination::Elimination;
 use super::forces::{Acting, JointSpace};
 use super::frame::Placed;
 use super::joint::Touching;
@@ -11,16 +11,12 @@ use super::load::IslandLoad;
 use super::piecewise_cubic::Jet;
 use super::{End, Frame, Guide, Island, Prescribed, WearingJoint};
 use crate::contact::{GuideReaction, LawLanes};
-use crate::integrate::{Band, Closed, Dynamics, Linearised, SteppedLanes};
+use crate::integrate::{Band, Dynamics, Linearised, SteppedLanes};
 use crate::lanes::{Lanewise, Real};
 use std::mem::discriminant;
 
-/// One joint with clearance per lane.
-#[derive(Debug, Clone)]
-struct JointLanes<R> {
-    ends: [End<R>; 2],
-    law: LawLanes<R>,
-}
+/// One joint with clearance per lane: its ends, and its contact law on its surfaces.
+type JointLanes<R> = ([End<R>; 2], LawLanes<R>);
 
 /// One prescribed body per lane.
 #[derive(Debug, Clone)]
@@ -89,9 +85,8 @@ impl<R: Real> IslandLanes<R> {
     pub(crate) fn new(island: &Island, like: R) -> Self {
         let all = |values: &[f64]| values.iter().map(|x| x.in_lanes(like)).collect::<Vec<R>>();
         let zero = like.zero();
-        let joint = |joint: &WearingJoint| JointLanes {
-            ends: joint.ends.in_lanes(like),
-            law: LawLanes::new(&joint.contact, joint.surfaces(), like),
+        let joint = |joint: &WearingJoint| {
+            (joint.ends.in_lanes(like), LawLanes::new(&joint.contact, joint.surfaces(), like))
         };
         let motion = |motion: &Prescribed| PrescribedLanes {
             motions: vec![motion.clone(); R::LANES],
@@ -126,14 +121,14 @@ impl<R: Real> IslandLanes<R> {
 
     /// Leaves lane `lane` idle until [`Self::set`] replaces it: its numbers stay finite and mean nothing.
     pub(crate) fn leave_idle(&mut self, lane: usize) {
-        self.joints.iter_mut().for_each(|joint| joint.law.leave_idle(lane));
+        self.joints.iter_mut().for_each(|(_, law)| law.leave_idle(lane));
     }
 
     /// Replaces lane `lane` by an island of the same topology.
     pub(crate) fn set(&mut self, lane: usize, island: &Island) {
         for (to, from) in self.joints.iter_mut().zip(&island.joints) {
-            from.ends.write_lane::<R>(lane, &mut to.ends);
-            to.law.set(lane, &from.contact, from.surfaces());
+            from.ends.write_lane::<R>(lane, &mut to.0);
+            to.1.set(lane, &from.contact, from.surfaces());
         }
         for (to, from) in self.guides.iter_mut().zip(&island.guides) {
             from.flat.write_lane::<R>(lane, to);
@@ -166,7 +161,7 @@ impl<R: Real> IslandLanes<R> {
         let zero = self.size.zero();
         let mut outside = zero;
         for index in 0..self.joints.len() {
-            let deepest = self.joints[index].law.surface().deepest();
+            let deepest = self.joints[index].1.surface().deepest();
             outside = R::select(deepest.below(at.joints[index].penetration), zero.like(1.0), outside);
         }
         for index in 0..self.guides.len() {
@@ -180,7 +175,7 @@ impl<R: Real> IslandLanes<R> {
     /// Writes what the contact laws of a lane remember into its island.
     pub(crate) fn read_memory(&self, lane: usize, island: &mut Island) {
         for (from, to) in self.joints.iter().zip(&mut island.joints) {
-            to.set_damping(from.law.surface().damping.lane(lane));
+            to.set_damping(from.1.surface().damping.lane(lane));
         }
         for (from, to) in self.guides.iter().zip(&mut island.guides) {
             to.flat.damping = from.damping.map(|damping| damping.lane(lane));
@@ -247,7 +242,7 @@ fn even_rotation<R: Real>(motions: &[Prescribed], like: R) -> Option<[R; 2]> {
 impl<R: Real> Touching<R> for JointLanes<R> {
     #[inline(always)]
     fn parts(&self) -> ([End<R>; 2], &LawLanes<R>) {
-        (self.ends, &self.law)
+        (self.0, &self.1)
     }
 }
 
@@ -294,7 +289,7 @@ impl<R: Real> Dynamics<R> for IslandLanes<R> {
         at.f = f;
         if self.ideal.rows > 0 {
             let (ideal, placed) = self.joints();
-            let Existence { independent, balanced } = ideal.add_reactions(placed, &mut at.f);
+            let [independent, balanced] = ideal.add_reactions(placed, &mut at.f);
             ideal.reduce_derivatives(placed, at);
             let apart = if self.may_be_singular { self.ideal.factors.apart } else { independent };
             // Near singular positions an island is integrated by itself.
@@ -325,7 +320,7 @@ impl<R: Real> SteppedLanes<R> for IslandLanes<R> {
         for index in 0..self.joints.len() {
             let (pair, wall) = (&self.space.pairs[index], &self.space.walls[index]);
             let penetration = at.joints[index].penetration;
-            self.joints[index].law.follow_approach((&pair.place, wall), &pair.motion, penetration);
+            self.joints[index].1.follow_approach((&pair.place, wall), &pair.motion, penetration);
         }
         for index in 0..self.guides.len() {
             self.guides[index].follow_approach(&at.guides[index]);
@@ -333,7 +328,7 @@ impl<R: Real> SteppedLanes<R> for IslandLanes<R> {
     }
 
     #[inline(always)]
-    fn close(&mut self, t: R, wanted: R, q: &mut [R], v: &mut [R]) -> Closed<R> {
+    fn close(&mut self, t: R, wanted: R, q: &mut [R], v: &mut [R]) -> [R; 2] {
         close(self, t, wanted, q, v)
     }
 

@@ -4,31 +4,20 @@
 // In lanes, closures of iterators are not compiled for the instruction set of the loop around them.
 #![allow(clippy::needless_range_loop)]
 
-#[cfg(test)]
-mod acceleration_tests;
 mod assembly;
 mod closing;
 mod closure;
 mod constraint;
-#[cfg(test)]
-mod constraint_tests;
 mod coupling;
 mod dependence;
-#[cfg(test)]
-mod derivative_tests;
 mod effective_mass;
 mod elimination;
 mod envelope_qr;
 mod extent;
-mod external_loads;
 mod forces;
 mod frame;
 mod friction_balance;
-#[cfg(test)]
-mod friction_tests;
 mod guide;
-#[cfg(test)]
-mod guide_tests;
 mod influence;
 mod island;
 mod island_frames;
@@ -37,8 +26,6 @@ mod joint;
 mod joint_friction;
 mod lanes;
 mod load;
-#[cfg(test)]
-mod order_tests;
 mod orthonormal;
 mod passage;
 mod piecewise_cubic;
@@ -46,25 +33,25 @@ mod prescribed;
 mod sliding;
 mod sparse_elimination;
 mod start_velocity;
+#[cfg(test)]
+mod tests;
 mod topology;
 mod turns;
 mod wearing_guide;
 mod wearing_joint;
 mod worn_guide;
-#[cfg(test)]
-mod worn_guide_tests;
 
 pub(crate) use assembly::ideal_accelerations;
 pub use assembly::{Pose, ideal_cycle};
 pub use constraint::Constraint;
 pub use extent::local_origin;
 pub(crate) use extent::moved_to_origin;
-pub(crate) use external_loads::ExternalLoads;
 pub use frame::{End, Frame, TimedState};
 pub use guide::Guide;
-pub(crate) use influence::{Coordinate, Influence, held_poses, influences};
+pub(crate) use influence::{Influence, held_poses, influences, places_in_guide};
 pub use island::Island;
 pub(crate) use lanes::{IslandLanes, same_topology};
+pub(crate) use load::external_moment;
 pub(crate) use piecewise_cubic::PiecewiseCubic;
 pub use prescribed::Prescribed;
 pub use topology::{island_of_program, islands};

@@ -55,17 +55,6 @@ const CROSSED_FIRST: f64 = 0.1;
 /// Time of the stages over the length of a step [1].
 const STAGES: [f64; 6] = [0.0, 0.2, 0.3, 0.8, 8.0 / 9.0, 1.0];
 
-/// A position of dependence that the motion approaches.
-#[derive(Debug, Clone, Copy)]
-struct Ahead {
-    /// Time to it, infinite if the motion leaves it behind [s].
-    time: f64,
-    /// Smallest share at the start of the step [1].
-    share: f64,
-    /// Rounding of a gap times the angular velocity of the fastest body [m/s].
-    rounding: f64,
-}
-
 /// Observes the dependence of the ideal joints over a time step.
 #[derive(Debug, Clone)]
 pub struct Passage {
@@ -86,7 +75,9 @@ pub struct Passage {
     pub(super) is_observing: bool,
     /// The most dependent row if the joints are nearly dependent at the start of the step.
     near: Option<usize>,
-    ahead: Option<Ahead>,
+    /// Of a position of dependence that the motion approaches: time to it, infinite if the motion leaves it behind [s], smallest share at the start
+    /// of the step [1], and rounding of a gap times the angular velocity of the fastest body [m/s].
+    ahead: Option<[f64; 3]>,
 }
 
 /// How the rows at the end of a step compare with those at its start.
@@ -193,29 +184,27 @@ impl Passage {
         // Gaps round independently of each other, and close together.
         let gaps = (self.shares.len() as f64).sqrt() * ROUNDING * farthest;
         let rounding = gaps * fastest;
-        self.ahead = Some(Ahead { time, share: smallest(self.start.iter().copied()), rounding });
+        self.ahead = Some([time, smallest(self.start.iter().copied()), rounding]);
     }
 
     /// A length of a step whose stages are not too near a position of dependence: at most `h` [s], unless that is too short for the first
     /// step tried from here to go through a position that is near.
     pub(super) fn step_length(&self, h: f64, is_first: bool) -> f64 {
         match self.ahead {
-            Some(Ahead { time, share, .. })
+            Some([time, share, _])
                 if is_first && share < AT_HAND && time.is_finite() && h < time / CROSSED_AT =>
             {
                 time / CROSSED_AT
             }
-            Some(Ahead { time, .. }) if h < time / CROSSED_FIRST && h >= time / CROSSED_AT => {
-                time / CROSSED_AT
-            }
-            Some(Ahead { time, .. }) if h < time / CROSSED_AT => h.min(0.5 * time),
+            Some([time, ..]) if h < time / CROSSED_FIRST && h >= time / CROSSED_AT => time / CROSSED_AT,
+            Some([time, ..]) if h < time / CROSSED_AT => h.min(0.5 * time),
             _ => h,
         }
     }
 
     /// Errors of velocities by rounding in a step of length `h` [s] [m/s].
     pub(super) fn rounding(&self, h: f64) -> f64 {
-        let Some(Ahead { time, share, rounding }) = self.ahead else { return 0.0 };
+        let Some([time, share, rounding]) = self.ahead else { return 0.0 };
         // The share changes in proportion to the time to the position.
         let nearest = smallest(STAGES.iter().map(|c| (1.0 - c * h / time).abs()));
         rounding / (share * nearest).powi(2)

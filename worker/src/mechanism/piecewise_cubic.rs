@@ -26,14 +26,6 @@ pub struct PiecewiseCubic {
     repeat: bool,
 }
 
-/// Place of an argument in a table.
-enum Place {
-    /// At the distance `s` from the first point of the interval, after `turns` repetitions of the table.
-    Inside { interval: usize, s: f64, turns: f64 },
-    /// Outside a table that does not repeat: the value of point `end` holds.
-    Outside { end: usize },
-}
-
 impl PiecewiseCubic {
     /// The monotone cubic of Fritsch and Carlson: continuously differentiable, no overshoot between points.
     pub(crate) fn monotone(table: &Table) -> Self {
@@ -100,8 +92,9 @@ impl PiecewiseCubic {
         PiecewiseCubic { at: table.at.clone(), node, integral, repeat: table.repeat }
     }
 
-    /// Place of the argument `x` in the table.
-    fn locate(&self, x: f64) -> Place {
+    /// Place of the argument `x` in the table: the interval, the distance from its first point and the turns before it, or the end beyond which
+    /// it lies.
+    fn locate(&self, x: f64) -> Result<(usize, f64, f64), usize> {
         let (first, last) = (self.at[0], self.at[self.at.len() - 1]);
         let mut turns = 0.0;
         let mut x = x;
@@ -109,12 +102,12 @@ impl PiecewiseCubic {
             turns = ((x - first) / (last - first)).floor();
             x = (x - turns * (last - first)).clamp(first, last);
         } else if x < first {
-            return Place::Outside { end: 0 };
+            return Err(0);
         } else if x > last {
-            return Place::Outside { end: self.at.len() - 1 };
+            return Err(self.at.len() - 1);
         }
         let interval = self.at.partition_point(|&a| a <= x).clamp(1, self.at.len() - 1) - 1;
-        Place::Inside { interval, s: x - self.at[interval], turns }
+        Ok((interval, x - self.at[interval], turns))
     }
 
     /// The cubic of interval `k` in the distance from its first point.
@@ -129,13 +122,13 @@ impl PiecewiseCubic {
     /// Value and derivatives at `x`. A repeated table continues from its last value.
     pub(crate) fn jet(&self, x: f64) -> Jet {
         match self.locate(x) {
-            Place::Inside { interval, s, turns } => {
+            Ok((interval, s, turns)) => {
                 let Cubic([y0, d0, c, d]) = self.cubic(interval);
                 let advance = self.node[self.node.len() - 1][0] - self.node[0][0];
                 let cubic = Cubic([y0 + turns * advance, d0, c, d]);
                 [cubic.value(s), cubic.slope(s), cubic.curvature(s), 6.0 * d]
             }
-            Place::Outside { end } => [self.node[end][0], 0.0, 0.0, 0.0],
+            Err(end) => [self.node[end][0], 0.0, 0.0, 0.0],
         }
     }
 
@@ -143,13 +136,13 @@ impl PiecewiseCubic {
     pub(crate) fn integral(&self, x: f64) -> f64 {
         let whole = self.integral[self.integral.len() - 1];
         match self.locate(x) {
-            Place::Inside { interval, s, turns } => {
+            Ok((interval, s, turns)) => {
                 let Cubic([y0, d0, c, d]) = self.cubic(interval);
                 turns * whole
                     + self.integral[interval]
                     + s * (y0 + s * (d0 / 2.0 + s * (c / 3.0 + s * d / 4.0)))
             }
-            Place::Outside { end } => self.integral[end] + (x - self.at[end]) * self.node[end][0],
+            Err(end) => self.integral[end] + (x - self.at[end]) * self.node[end][0],
         }
     }
 }

@@ -21,28 +21,12 @@
 
 use super::frame::Frame;
 use crate::contact::coulomb;
-use crate::lanes::{Real, lanewise};
+use crate::lanes::Real;
 use crate::plane::{cross, dot};
-use common::scene::IdealFriction;
 
-/// Constants of the friction of an ideal joint, or of one per lane.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FrictionConstants<R = f64> {
-    /// Coefficient mu [1].
-    coefficient: R,
-    /// Regularisation speed v_0 [m/s].
-    speed: R,
-    /// Radius of the pin, or length of the guide [m].
-    pub(super) size: R,
-}
-
-lanewise!(FrictionConstants { coefficient, speed, size });
-
-impl From<IdealFriction> for FrictionConstants {
-    fn from(IdealFriction { coefficient, speed, size }: IdealFriction) -> Self {
-        FrictionConstants { coefficient, speed, size }
-    }
-}
+/// Constants of the friction of an ideal joint, or of one per lane: coefficient mu [1], regularisation speed v_0 [m/s], and radius of the pin or
+/// length of the guide [m].
+pub type FrictionConstants<R = f64> = [R; 3];
 
 /// How the bodies of one joint slide on each other.
 #[derive(Debug, Clone, Copy)]
@@ -60,41 +44,27 @@ pub(super) struct Sliding<R> {
     pub slope: R,
 }
 
-/// Normal force N as a function of the two multipliers of a joint.
-#[derive(Debug, Clone, Copy)]
-pub struct NormalForce<R> {
-    /// Inverse of half the length L of a guide [1/m]; `None` for a pin.
-    pub(super) per_half: Option<R>,
-}
-
-impl<R: Real> NormalForce<R> {
-    /// That of a guide of length `length` [m].
-    #[inline(always)]
-    pub(super) fn in_guide(length: R) -> Self {
-        NormalForce { per_half: Some(length.like(2.0) / length) }
-    }
-
-    /// N at the multipliers `lambda` `(2,)` [N] and its derivative to them `(2,)`; zero where N has its corner at zero.
-    #[inline(always)]
-    pub(super) fn at(&self, lambda: [R; 2]) -> (R, [R; 2]) {
-        let zero = lambda[0].zero();
-        let one = zero.like(1.0);
-        match self.per_half {
-            None => {
-                let size = (lambda[0] * lambda[0]).plus_product(lambda[1], lambda[1]).sqrt();
-                let inverse = one / R::select(zero.below(size), size, one);
-                (size, [lambda[0] * inverse, lambda[1] * inverse])
-            }
-            Some(per_half) => {
-                let (force, pair) = (lambda[0].abs(), lambda[1].abs() * per_half);
-                let tilted = force.below(pair);
-                let sign = |x: R| R::select(zero.below(x), one, R::select(x.below(zero), -one, zero));
-                let slopes = [
-                    R::select(tilted, zero, sign(lambda[0])),
-                    R::select(tilted, sign(lambda[1]) * per_half, zero),
-                ];
-                (R::select(tilted, pair, force), slopes)
-            }
+/// Normal force N at the two multipliers `lambda` `(2,)` [N] of a joint and its derivative to them `(2,)`; zero where N has its corner at zero.
+/// `per_half` is the inverse of half the length L of a guide [1/m]; `None` for a pin.
+#[inline(always)]
+pub(super) fn normal_force<R: Real>(per_half: Option<R>, lambda: [R; 2]) -> (R, [R; 2]) {
+    let zero = lambda[0].zero();
+    let one = zero.like(1.0);
+    match per_half {
+        None => {
+            let size = (lambda[0] * lambda[0]).plus_product(lambda[1], lambda[1]).sqrt();
+            let inverse = one / R::select(zero.below(size), size, one);
+            (size, [lambda[0] * inverse, lambda[1] * inverse])
+        }
+        Some(per_half) => {
+            let (force, pair) = (lambda[0].abs(), lambda[1].abs() * per_half);
+            let tilted = force.below(pair);
+            let sign = |x: R| R::select(zero.below(x), one, R::select(x.below(zero), -one, zero));
+            let slopes = [
+                R::select(tilted, zero, sign(lambda[0])),
+                R::select(tilted, sign(lambda[1]) * per_half, zero),
+            ];
+            (R::select(tilted, pair, force), slopes)
         }
     }
 }
@@ -103,7 +73,8 @@ impl<R: Real> Sliding<R> {
     /// Sliding on a pin.
     #[inline(always)]
     pub(super) fn on_pin(constants: FrictionConstants<R>, first: &Frame<R>, second: &Frame<R>) -> Self {
-        let (radius, zero) = (constants.size, constants.size.zero());
+        let [_, _, radius] = constants;
+        let zero = radius.zero();
         Self::new(constants, [zero, zero, radius, zero, zero, -radius], None, [first, second])
     }
 
@@ -145,7 +116,7 @@ impl<R: Real> Sliding<R> {
         for k in 0..6 {
             speed = speed.plus_product(direction[k], rates[k]);
         }
-        let (ratio, slope) = coulomb(constants.coefficient, speed.like(1.0) / constants.speed, speed);
+        let (ratio, slope) = coulomb(constants[0], speed.like(1.0) / constants[1], speed);
         Sliding { direction, turning, rates, speed, ratio, slope }
     }
 }

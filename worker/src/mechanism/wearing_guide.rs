@@ -7,7 +7,7 @@ use super::wearing_joint::WearingPair;
 use super::worn_guide::WornGuide;
 use crate::contact::GuideReaction;
 use crate::rail::{MOST_NODES, RailFaces, RailLayout, play};
-use crate::wear::{FinerBore, RailHistory, RailWearRate, StepRule, WearHistory, WearRate};
+use crate::wear::{FinerBore, RailHistory, RailWearRate, StepTolerance, WearHistory, WearRate};
 use common::scene::GuideClearance;
 
 /// A guide with clearance and its surfaces.
@@ -66,8 +66,8 @@ impl WearingGuide {
     pub(super) fn corner_depth(&self, face: usize, last: bool, s: f64) -> (f64, f64) {
         self.worn.as_ref().map_or((0.0, 0.0), |worn| {
             let node = if last { worn.faces.layout.nodes() - 1 } else { 0 };
-            let depth = worn.faces.guide_depth(face, s);
-            (depth.w + worn.faces.slider[face][node], depth.slope)
+            let [depth, slope, _] = worn.faces.guide_depth(face, s);
+            (depth + worn.faces.slider[face][node], slope)
         })
     }
 
@@ -127,9 +127,9 @@ impl WearingPair for WornSurfaces {
         self.rate_at(self.faces.layout)
     }
 
-    fn finer_copy(&self, rule: StepRule) -> FinerBore<WearRate> {
+    fn finer_copy(&self, tolerance: StepTolerance) -> FinerBore<WearRate> {
         let finer = self.faces.layout.finer();
-        FinerBore::new(self.rate_at(finer), finer.depths(), rule)
+        FinerBore::new(self.rate_at(finer), finer.depths(), tolerance)
     }
 }
 

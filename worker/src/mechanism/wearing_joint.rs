@@ -7,7 +7,7 @@ use super::frame::End;
 use super::joint::Touching;
 use crate::bore::Profile;
 use crate::contact::{Contact, JointMotion, Journal, LawLanes, PolarEccentricity, Surfaces, Walls};
-use crate::wear::{BoreWearRate, ContactHistory, FinerBore, StepRule, WearHistory, WearRate};
+use crate::wear::{BoreWearRate, ContactHistory, FinerBore, StepTolerance, WearHistory, WearRate};
 use common::scene::{Clearance, WearDistribution, WearModel};
 
 /// A joint with clearance and its surfaces.
@@ -144,9 +144,9 @@ impl WearingPair for WearingJoint {
         self.rate_on(&self.profile)
     }
 
-    fn finer_copy(&self, rule: StepRule) -> FinerBore<WearRate> {
+    fn finer_copy(&self, tolerance: StepTolerance) -> FinerBore<WearRate> {
         let finer = self.profile.unworn(2 * self.profile.points());
-        FinerBore::new(self.rate_on(&finer), 2 * self.depths(), rule)
+        FinerBore::new(self.rate_on(&finer), 2 * self.depths(), tolerance)
     }
 }
 
@@ -184,7 +184,7 @@ pub(crate) trait WearingPair {
     fn wear_rate(&self) -> WearRate;
 
     /// Unworn copy with twice as many control points, whose wear steps follow from the `rule` of those of this pair.
-    fn finer_copy(&self, rule: StepRule) -> FinerBore<WearRate>;
+    fn finer_copy(&self, tolerance: StepTolerance) -> FinerBore<WearRate>;
 
     /// True if one of the surfaces wears.
     fn wears(&self) -> bool {

@@ -18,10 +18,10 @@
 //! As `guide.rs` and `contact/pad.rs`; the gradient on worn faces is derived here.
 
 use super::frame::Frame;
-use super::guide::{Guide, PadEnd, add_second, gradient, turning};
+use super::guide::{Guide, GuideFace, PadEnd, add_second, gradient, turning};
 use super::load::LoadForce;
 use crate::contact::{GuideReaction, coulomb, pad_force};
-use crate::plane::{dot, left};
+use crate::plane::dot;
 use crate::rail::{MOST_NODES, RailFaces};
 
 /// Six coordinates: those of the slider's body, then those of the guide's.
@@ -31,17 +31,6 @@ type PairRow = [f64; 6];
 pub(super) struct WornGuide<'a> {
     pub(super) flat: &'a Guide,
     pub(super) faces: &'a RailFaces,
-}
-
-/// One face of the slider at one instant.
-struct GuideFace {
-    face: usize,
-    /// Outward normal and direction of the guide, in global axes.
-    n: [f64; 2],
-    t: [f64; 2],
-    /// n . p + H and t . p [m].
-    wall: f64,
-    base: f64,
 }
 
 /// A node of a face at one instant.
@@ -66,16 +55,12 @@ struct Pad {
     diagonal: [f64; MOST_NODES],
     beside: [f64; MOST_NODES],
     stored: f64,
-}
-
-/// What the damping makes of a pad's forces.
-struct Damped {
+    /// Sum of U_i [N].
+    normal: f64,
     /// phi [1], D where the pad pushes [s/m] and rho [m/s].
     factor: f64,
     damping: f64,
     rho: f64,
-    /// Sum of U_i [N].
-    normal: f64,
 }
 
 impl Pad {
@@ -92,8 +77,8 @@ impl Pad {
         self.nodes().iter().fold(first, deeper)
     }
 
-    /// Adds the elements, each of the stiffness `unit` = kappa times a sixth of its length [N/m].
-    fn press(&mut self, unit: f64) {
+    /// Adds the elements, each of the stiffness `unit` = kappa times a sixth of its length [N/m], and the `damping` factor D [s/m].
+    fn press(&mut self, unit: f64, damping: f64) {
         for k in 0..self.count - 1 {
             let g = [self.nodes[k].at.overlap, self.nodes[k + 1].at.overlap];
             if g[0] <= 0.0 && g[1] <= 0.0 {
@@ -107,16 +92,13 @@ impl Pad {
                 self.diagonal[k + end] += element.to_overlap[end][end];
             }
         }
-    }
-
-    fn damped(&self, damping: f64) -> Damped {
         let forces = self.nodes().iter().zip(&self.force);
         let (normal, power) =
             forces.fold((0.0, 0.0), |(n, p), (node, force)| (n + force, p + force * node.at.rate));
-        let rho = if normal > 0.0 { power / normal } else { 0.0 };
-        let factor = 1.0 + damping * rho;
-        let pushes = factor > 0.0;
-        Damped { factor: factor.max(0.0), damping: if pushes { damping } else { 0.0 }, rho, normal }
+        self.normal = normal;
+        self.rho = if normal > 0.0 { power / normal } else { 0.0 };
+        let factor = 1.0 + damping * self.rho;
+        (self.factor, self.damping) = (factor.max(0.0), if factor > 0.0 { damping } else { 0.0 });
     }
 
     /// Sum over j of U_ij x_j.
@@ -140,7 +122,7 @@ impl WornGuide<'_> {
         let (mut load, mut done) = (LoadForce::none([i.frame, j.frame], 0.0), GuideReaction::none(0.0));
         done.beyond = f64::NEG_INFINITY;
         for face in 0..2 {
-            let side = self.side(face, bodies);
+            let side = self.flat.side(face, bodies[1].turn(self.flat.axis));
             for half in 0..2 {
                 let mut pad = self.pad(&side, half, bodies);
                 let index = 2 * face + half;
@@ -155,11 +137,10 @@ impl WornGuide<'_> {
                 if done.penetration[index] <= 0.0 {
                     continue;
                 }
-                pad.press(self.flat.unit / (pad.count - 1) as f64);
-                let damped = pad.damped(self.flat.damping[index]);
+                pad.press(self.flat.unit / (pad.count - 1) as f64, self.flat.damping[index]);
                 done.stored += pad.stored;
-                done.lost += damped.normal * damped.rho * (damped.factor - 1.0);
-                self.add_pad::<JACOBIAN>(&mut load, &mut done, &side, &pad, &damped, bodies);
+                done.lost += pad.normal * pad.rho * (pad.factor - 1.0);
+                self.add_pad::<JACOBIAN>(&mut load, &mut done, &side, &pad, bodies);
             }
         }
         (load, done)
@@ -170,7 +151,7 @@ impl WornGuide<'_> {
         let bodies = self.flat.ends.map(|end| &frames[end.frame]);
         let mut impulse = [0.0; 6];
         for face in 0..2 {
-            let side = self.side(face, bodies);
+            let side = self.flat.side(face, bodies[1].turn(self.flat.axis));
             for half in 0..2 {
                 let index = 2 * face + half;
                 let mut pad = self.pad(&side, half, bodies);
@@ -179,10 +160,9 @@ impl WornGuide<'_> {
                     continue;
                 }
                 let since = if rate * h > overlap { overlap / rate } else { h };
-                pad.press(self.flat.unit / (pad.count - 1) as f64);
-                let damped = pad.damped(self.flat.damping[index]);
+                pad.press(self.flat.unit / (pad.count - 1) as f64, self.flat.damping[index]);
                 for (node, force) in pad.nodes().iter().zip(&pad.force) {
-                    let (g, p) = (self.to_overlap(&side, node), 0.5 * since * damped.factor * force);
+                    let (g, p) = (self.to_overlap(&side, node), 0.5 * since * pad.factor * force);
                     for r in 0..6 {
                         impulse[r] += p * g[r].abs();
                     }
@@ -192,55 +172,40 @@ impl WornGuide<'_> {
         impulse
     }
 
-    fn side(&self, face: usize, [_, fb]: [&Frame; 2]) -> GuideFace {
-        let (flat, sign) = (self.flat, if face == 0 { 1.0 } else { -1.0 });
-        let (t, at) = (fb.turn(flat.axis), flat.ends[1].arm);
-        GuideFace {
-            face,
-            n: left(t).map(|x| sign * x),
-            t,
-            wall: sign * dot(left(flat.axis), at) + flat.half_gap,
-            base: dot(flat.axis, at),
-        }
-    }
-
     /// The nodes of half a face, without forces.
-    fn pad(&self, side: &GuideFace, half: usize, [fa, fb]: [&Frame; 2]) -> Pad {
+    fn pad(&self, side: &GuideFace<f64>, half: usize, bodies: [&Frame; 2]) -> Pad {
         let layout = &self.faces.layout;
         let count = layout.elements + 1;
         let at = PadEnd { a: [0.0; 2], d: [0.0; 2], overlap: 0.0, rate: 0.0, sliding: 0.0 };
         let unset = Node { at, s: 0.0, ahead: 0.0, slope: 0.0, bend: 0.0 };
         let none = [0.0; MOST_NODES];
-        let mut pad =
-            Pad { count, nodes: [unset; MOST_NODES], force: none, diagonal: none, beside: none, stored: 0.0 };
-        let flat = self.flat;
-        let sign = if side.face == 0 { flat.half_height } else { -flat.half_height };
-        let across = left(flat.along);
+        let mut pad = Pad {
+            count,
+            nodes: [unset; MOST_NODES],
+            force: none,
+            diagonal: none,
+            beside: none,
+            stored: 0.0,
+            normal: 0.0,
+            factor: 0.0,
+            damping: 0.0,
+            rho: 0.0,
+        };
         for k in 0..count {
             let index = k + half * layout.elements;
             let ahead = layout.node(index);
-            let arm = flat.ends[0].arm;
-            let arm = [0, 1].map(|c| arm[c] + sign * across[c] + ahead * flat.along[c]);
-            let a = fa.turn(arm);
-            let d = [fa.x[0] + a[0] - fb.x[0], fa.x[1] + a[1] - fb.x[1]];
-            // Velocity of the node against the guide's body.
-            let v = [
-                fa.v[0] - fa.omega * a[1] - fb.v[0] + fb.omega * d[1],
-                fa.v[1] + fa.omega * a[0] - fb.v[1] - fb.omega * d[0],
-            ];
-            let (s, sliding) = (dot(side.t, d) - side.base, dot(side.t, v));
-            let depth = self.faces.guide_depth(side.face, s);
-            let worn = depth.w + self.faces.slider[side.face][index];
-            let overlap = dot(side.n, d) - side.wall - worn;
-            let rate = dot(side.n, v) - depth.slope * sliding;
-            let at = PadEnd { a, d, overlap, rate, sliding };
-            pad.nodes[k] = Node { at, s, ahead, slope: depth.slope, bend: depth.bend };
+            let mut at = self.flat.point(side, ahead, bodies);
+            let s = dot(side.t, at.d) - side.base;
+            let [worn, slope, bend] = self.faces.guide_depth(side.face, s);
+            at.overlap -= worn + self.faces.slider[side.face][index];
+            at.rate -= slope * at.sliding;
+            pad.nodes[k] = Node { at, s, ahead, slope, bend };
         }
         pad
     }
 
     /// Gradient G_i of a node's overlap.
-    fn to_overlap(&self, side: &GuideFace, node: &Node) -> PairRow {
+    fn to_overlap(&self, side: &GuideFace<f64>, node: &Node) -> PairRow {
         gradient(direction(side, -node.slope), node.at.a, node.at.d)
     }
 
@@ -249,15 +214,13 @@ impl WornGuide<'_> {
         &self,
         load: &mut LoadForce,
         done: &mut GuideReaction,
-        side: &GuideFace,
+        side: &GuideFace<f64>,
         pad: &Pad,
-        damped: &Damped,
         bodies: [&Frame; 2],
     ) {
-        let (to_q, to_v) =
-            if JACOBIAN { self.rate_of_pad(side, pad, damped, bodies) } else { ([0.0; 6], [0.0; 6]) };
+        let (to_q, to_v) = if JACOBIAN { self.rate_of_pad(side, pad, bodies) } else { ([0.0; 6], [0.0; 6]) };
         for (i, node) in pad.nodes().iter().enumerate().filter(|(i, _)| pad.force[*i] > 0.0) {
-            let (at, p) = (&node.at, damped.factor * pad.force[i]);
+            let (at, p) = (&node.at, pad.factor * pad.force[i]);
             let (ratio, steepness) = coulomb(self.flat.friction, self.flat.per_friction_speed, at.sliding);
             done.normal[side.face] += p;
             done.friction[side.face] -= p * ratio;
@@ -270,10 +233,10 @@ impl WornGuide<'_> {
                 *f -= p * acting;
             }
             if JACOBIAN {
-                let damping = pad.force[i] * damped.damping;
+                let damping = pad.force[i] * pad.damping;
                 let (mut p_to_q, p_to_v) = (to_q.map(|x| damping * x), to_v.map(|x| damping * x));
                 for j in i.saturating_sub(1)..(i + 2).min(pad.count) {
-                    let second = damped.factor * pad.second(i, |k| if k == j { 1.0 } else { 0.0 });
+                    let second = pad.factor * pad.second(i, |k| if k == j { 1.0 } else { 0.0 });
                     let g = self.to_overlap(side, &pad.nodes[j]);
                     for c in 0..6 {
                         p_to_q[c] += second * g[c];
@@ -293,20 +256,14 @@ impl WornGuide<'_> {
     }
 
     /// Derivatives of rho to the coordinates and to their rates.
-    fn rate_of_pad(
-        &self,
-        side: &GuideFace,
-        pad: &Pad,
-        damped: &Damped,
-        bodies: [&Frame; 2],
-    ) -> (PairRow, PairRow) {
+    fn rate_of_pad(&self, side: &GuideFace<f64>, pad: &Pad, bodies: [&Frame; 2]) -> (PairRow, PairRow) {
         let (mut to_q, mut to_v) = ([0.0; 6], [0.0; 6]);
-        if damped.damping == 0.0 || damped.normal <= 0.0 {
+        if pad.damping == 0.0 || pad.normal <= 0.0 {
             return (to_q, to_v);
         }
-        let per_normal = 1.0 / damped.normal;
+        let per_normal = 1.0 / pad.normal;
         for (j, node) in pad.nodes().iter().enumerate() {
-            let turned = per_normal * pad.second(j, |k| pad.nodes[k].at.rate - damped.rho);
+            let turned = per_normal * pad.second(j, |k| pad.nodes[k].at.rate - pad.rho);
             let share = per_normal * pad.force[j];
             if turned == 0.0 && share == 0.0 {
                 continue;
@@ -326,6 +283,6 @@ impl WornGuide<'_> {
 }
 
 /// n + `along` t, in global axes.
-fn direction(side: &GuideFace, along: f64) -> [f64; 2] {
+fn direction(side: &GuideFace<f64>, along: f64) -> [f64; 2] {
     [0, 1].map(|c| side.n[c] + along * side.t[c])
 }

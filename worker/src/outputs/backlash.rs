@@ -14,12 +14,13 @@
 //! # Source
 //! Displacement by clearances from virtual work: Innocenti (2002), J. Mech. Design 124, 52-57. Derived here for worn bores.
 
-use super::{RecordedCycle, SoughtBacklash};
+use super::RecordedCycle;
 use crate::contact::FreeRegion;
 use crate::mechanism::{Influence, WearingGuide, WearingJoint};
+use common::scene::OutputKind;
 
 /// The outputs `backlash` [rad] and `position-backlash` [m].
-pub(super) fn backlash(sought: &SoughtBacklash, cycle: &RecordedCycle) -> f64 {
+pub(super) fn backlash(sought: &OutputKind, cycle: &RecordedCycle) -> f64 {
     let joints: Vec<&WearingJoint> = cycle.islands.iter().flat_map(|(island, _)| &island.joints).collect();
     let guides: Vec<&WearingGuide> = cycle.islands.iter().flat_map(|(island, _)| &island.guides).collect();
     let mut regions: Vec<Option<FreeRegion>> = joints.iter().map(|joint| round_journal(joint)).collect();

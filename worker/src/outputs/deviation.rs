@@ -34,7 +34,6 @@ use super::trace::interval_at;
 use super::{BodyTrack, PointTrack, RecordedCycle};
 use crate::mechanism::{PiecewiseCubic, Prescribed};
 use common::scene::{Attachment, Curve, ErrorMeasure, Over};
-use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 /// Places within a time step at which a deviation is evaluated, besides its ends [1].
@@ -86,10 +85,7 @@ impl Deviation {
 pub(super) fn angle_error(body: usize, wanted: Option<&Curve>, cycle: &RecordedCycle) -> Deviation {
     let track = cycle.body(body);
     match wanted {
-        Some(curve) => {
-            let mut wanted = Wanted::new(curve, cycle);
-            from_reference(&track, |t| wanted.at(t))
-        }
+        Some(curve) => from_reference(&track, wanted_over(curve, cycle)),
         None => cycle.ideal_angle(body).map(|ideal| angle_from_ideal(&track, ideal)).unwrap_or_default(),
     }
 }
@@ -120,11 +116,11 @@ pub(super) fn position_error(
     if wanted.iter().all(Option::is_none) {
         return cycle.ideal_path(at).map(|ideal| path_from_ideal(path, ideal)).unwrap_or_default();
     }
-    let [mut x, mut y] = wanted.each_ref().map(|c| c.as_ref().map(|curve| Wanted::new(curve, cycle)));
+    let [mut x, mut y] = wanted.each_ref().map(|c| c.as_ref().map(|curve| wanted_over(curve, cycle)));
     Deviation::over(&path.time, |k, t| {
         let at = path.position_in(k, t);
-        let off = |wanted: &mut Option<Wanted>, is: f64| wanted.as_mut().map_or(0.0, |w| is - w.at(t));
-        libm::hypot(off(&mut x, at[0]), off(&mut y, at[1]))
+        let [x, y] = [(&mut x, at[0]), (&mut y, at[1])].map(|(w, is)| w.as_mut().map_or(0.0, |w| is - w(t)));
+        libm::hypot(x, y)
     })
 }
 
@@ -137,46 +133,19 @@ fn path_from_ideal(path: &PointTrack, ideal: &PointTrack) -> Deviation {
     })
 }
 
-/// A wanted function over a recorded cycle.
-pub struct Wanted<'a> {
-    function: PiecewiseCubic,
-    argument: Argument<'a>,
-}
-
-/// Argument of a wanted function.
-enum Argument<'a> {
-    Time,
-    /// Angle of a prescribed body.
-    Prescribed(Prescribed),
-    /// Angle of a free body, with the interval last read.
-    Recorded(Cow<'a, BodyTrack>, usize),
-}
-
-impl<'a> Wanted<'a> {
-    /// The function of a scene over the recorded cycle.
-    pub(crate) fn new(curve: &Curve, cycle: &RecordedCycle<'a>) -> Self {
-        let argument = match curve.over {
-            Over::Time => Argument::Time,
-            Over::Angle(body) => match Prescribed::from_body(&cycle.scene.bodies[body]) {
-                Some(motion) => Argument::Prescribed(motion),
-                None => Argument::Recorded(cycle.body(body), 0),
-            },
-        };
-        Wanted { function: PiecewiseCubic::interpolating(&curve.table), argument }
+/// A wanted function of a scene over the recorded cycle: its value at a time [s], in the unit of the function; times must not decrease from call to
+/// call.
+fn wanted_over<'a>(curve: &Curve, cycle: &RecordedCycle<'a>) -> Box<dyn FnMut(f64) -> f64 + 'a> {
+    let function = PiecewiseCubic::interpolating(&curve.table);
+    let Over::Angle(body) = curve.over else { return Box::new(move |t| function.jet(t)[0]) };
+    if let Some(motion) = Prescribed::from_body(&cycle.scene.bodies[body]) {
+        return Box::new(move |t| function.jet(motion.angle(t))[0]);
     }
-
-    /// Value at time `t` [s], in the unit of the function; times must not decrease from call to call.
-    pub(crate) fn at(&mut self, t: f64) -> f64 {
-        let x = match &mut self.argument {
-            Argument::Time => t,
-            Argument::Prescribed(motion) => motion.angle(t),
-            Argument::Recorded(track, k) => {
-                let k = interval_at(&track.time, k, t);
-                track.angle_in(k).at(t).0
-            }
-        };
-        self.function.jet(x)[0]
-    }
+    let (track, mut last) = (cycle.body(body), 0);
+    Box::new(move |t| {
+        let k = interval_at(&track.time, &mut last, t);
+        function.jet(track.angle_in(k).at(t).0)[0]
+    })
 }
 
 /// The body whose angle is the argument of a curve, if that angle has to be recorded or is prescribed.

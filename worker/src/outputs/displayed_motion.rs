@@ -35,7 +35,7 @@ struct DisplayedState {
     v: Vec<f64>,
     /// Force magnitude of each joint `(joints,)` [N].
     force: Vec<f64>,
-    powers: PowerState,
+    powers: Powers,
 }
 
 /// Motion, joint forces and energy of one island over a displayed cycle.
@@ -68,7 +68,7 @@ impl DisplayedMotion {
         time: f64,
         [q, v]: [&[f64]; 2],
         forces: impl Iterator<Item = f64>,
-        powers: PowerState,
+        powers: Powers,
     ) {
         std::mem::swap(&mut self.before, &mut self.last);
         let DisplayedState { time: last, q: last_q, v: last_v, force, powers: last_powers } = &mut self.last;
@@ -90,9 +90,8 @@ impl DisplayedMotion {
     fn add_step(&mut self) {
         let (from, to) = (&self.before, &self.last);
         let half = 0.5 * (to.time - from.time);
-        let work = |power: fn(&PowerState) -> f64| half * (power(&from.powers) + power(&to.powers));
-        let (input, lost, unphysical) = (work(|i| i.input), work(|i| i.lost), work(|i| i.unphysical));
-        let stored = to.powers.stored - from.powers.stored;
+        let [input, lost, unphysical] = [1, 2, 3].map(|k| half * (from.powers[k] + to.powers[k]));
+        let stored = to.powers[0] - from.powers[0];
         self.balance.input += input;
         self.balance.dissipated += lost;
         self.balance.unphysical += unphysical;
@@ -159,18 +158,9 @@ fn column(rows: &[f64], k: usize, n: usize) -> impl Iterator<Item = f64> {
     rows.iter().skip(k).step_by(n.max(1)).copied()
 }
 
-/// Energies and powers of an island at one instant.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct PowerState {
-    /// Kinetic energy and that of springs, gravity and contacts [J].
-    pub stored: f64,
-    /// Power of drives and of loads without potential [W].
-    pub input: f64,
-    /// Power lost [W].
-    pub lost: f64,
-    /// Power of elastic contact forces that no potential accounts for [W].
-    pub unphysical: f64,
-}
+/// At one instant the energy of an island, kinetic and of springs, gravity and contacts [J], and the powers of drives and of loads without
+/// potential, lost, and of elastic contact forces that no potential accounts for [W].
+type Powers = [f64; 4];
 
 /// Sum of the balances of several islands.
 pub(crate) fn sum_of_islands(balances: impl Iterator<Item = EnergyBalance>) -> EnergyBalance {
@@ -218,7 +208,7 @@ impl FullRecording {
             track.push(force, touches, half);
         }
         if let Some(motion) = &mut self.displayed {
-            motion.push(t, [q, v], forces().map(|(force, _)| force), power_state(island, t, v, at));
+            motion.push(t, [q, v], forces().map(|(force, _)| force), powers(island, t, v, at));
         }
     }
 
@@ -229,28 +219,24 @@ impl FullRecording {
 }
 
 /// Energies and powers of an island at the state it was last linearised at.
-fn power_state(island: &Island, t: f64, v: &[f64], at: &Linearised) -> PowerState {
-    let [stored, lost, driving] = island.load_power(t, v);
+fn powers(island: &Island, t: f64, v: &[f64], at: &Linearised) -> Powers {
+    let [mut stored, mut lost, driving] = island.load_power(t, v);
     let drives: f64 = at.prescribed.iter().zip(&island.jets).map(|(f, jet)| -f[2] * jet[1]).sum();
-    let mut now = PowerState {
-        stored,
-        input: drives + island.ideal.driving_power(&at.lambda) + driving,
-        lost,
-        unphysical: 0.0,
-    };
-    now.lost += at.friction.iter().map(|[force, speed]| force * speed).sum::<f64>();
+    let input = drives + island.ideal.driving_power(&at.lambda) + driving;
+    let mut unphysical = 0.0;
+    lost += at.friction.iter().map(|[force, speed]| force * speed).sum::<f64>();
     for (k, force) in at.joints.iter().enumerate() {
         let joint = &island.joints[k];
         let energy = joint.contact.energy(joint.surfaces(), &island.joint_motion(k), force);
-        now.stored += energy.stored;
-        now.lost += energy.friction + energy.damping + energy.film;
-        now.unphysical += energy.unphysical;
+        stored += energy.stored;
+        lost += energy.friction + energy.damping + energy.film;
+        unphysical += energy.unphysical;
     }
     for guide in &at.guides {
-        now.stored += guide.stored;
-        now.lost += guide.lost;
+        stored += guide.stored;
+        lost += guide.lost;
     }
-    now
+    [stored, input, lost, unphysical]
 }
 
 #[cfg(test)]
@@ -264,7 +250,7 @@ mod tests {
         // A cubic, and a force that changes evenly; the last state falls short of the end by rounding.
         let (x, speed) = (|t: f64| t * t * (t - 1.0), |t: f64| t * (3.0 * t - 2.0));
         for t in [0.0, 0.0625, 0.4, 0.75, 1.0 - 1e-14] {
-            shown.push(t, [&[x(t)], &[speed(t)]], [3.0 * t].into_iter(), PowerState::default());
+            shown.push(t, [&[x(t)], &[speed(t)]], [3.0 * t].into_iter(), [0.0; 4]);
         }
         assert_eq!(shown.q.len(), 8);
         shown.finish();

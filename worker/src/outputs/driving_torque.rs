@@ -11,7 +11,7 @@
 //! Balance of angular momentum about a fixed axis: Goldstein, Poole, Safko, Classical Mechanics (2002), chapter 5.
 
 use super::{MomentTrack, RecordedCycle, sample_times};
-use crate::mechanism::{ExternalLoads, Prescribed};
+use crate::mechanism::{Prescribed, external_moment};
 use common::scene::Motion;
 
 /// The output `driving-torque` [N m] of a driven body of the scene.
@@ -19,7 +19,7 @@ pub(super) fn driving_torque(body: usize, cycle: &RecordedCycle) -> f64 {
     let scene = cycle.scene;
     let driven = &scene.bodies[body];
     let Some(motion) = Prescribed::from_body(driven) else { return 0.0 };
-    let outer = ExternalLoads::new(scene, body);
+    let outer = external_moment(scene, body);
     let inertia = match &driven.motion {
         Motion::Driven { inertia, .. } => *inertia,
         _ => None,
@@ -35,7 +35,7 @@ pub(super) fn driving_torque(body: usize, cycle: &RecordedCycle) -> f64 {
             let weight = driven.mass * (centre[0] * scene.gravity[1] - centre[1] * scene.gravity[0]);
             inertial - weight
         });
-        inertial - outer.moment(t)
+        inertial - outer(t)
     };
     largest_torque(&cycle.moments(body), &sample_times(scene), own)
 }

@@ -7,7 +7,7 @@
 //! |---|---|
 //! | `motion_output.rs` | the outputs |
 //! | `angle_difference.rs`, `deviation.rs`, `backlash.rs` | values of single outputs, and wanted functions of time or of an angle |
-//! | `recording_request.rs`, `recorder.rs`, `peaks.rs` | what to record of an island, and the recording |
+//! | `recorder.rs`, `peaks.rs` | what to record of an island, and the recording |
 //! | `contact_lanes.rs`, `motion_rows.rs` | contacts and motion of islands in lanes |
 //! | `recorded_cycle.rs` | the recordings of all islands of a cycle, as outputs read them |
 //! | `trace.rs` | angle of a body, force of a joint, path of a point and moment on a body over time |
@@ -26,14 +26,13 @@ mod recorded_cycle;
 mod recorder;
 #[cfg(test)]
 mod recorder_tests;
-mod recording_request;
 mod trace;
 
 pub(crate) use contact_lanes::ContactLanes;
 pub(crate) use displayed_motion::{FullRecording, sum_of_islands};
-pub(crate) use motion_output::{Sampling, is_extreme, motion_value, recording_request};
+pub(crate) use motion_output::{is_extreme, missed_peak, motion_value, recording_request};
 pub(crate) use motion_rows::MotionRows;
+pub(crate) use peaks::RecordingRequest;
 pub(crate) use recorded_cycle::{IdealTracks, RecordedCycle, sample_times};
 pub(crate) use recorder::Recorder;
-pub(crate) use recording_request::{RecordingRequest, SoughtBacklash};
 pub(crate) use trace::{BodyTrack, ForceTrack, MomentTrack, PointTrack};

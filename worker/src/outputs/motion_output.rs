@@ -4,53 +4,33 @@ use super::angle_difference::largest_difference;
 use super::backlash::backlash;
 use super::deviation::{angle_error, argument_body, position_error};
 use super::driving_torque::driving_torque;
-use super::{BodyTrack, RecordedCycle, RecordingRequest, SoughtBacklash};
+use super::{BodyTrack, RecordedCycle, RecordingRequest};
 use common::scene::{ErrorMeasure, ImpactMeasure, Output, OutputKind, SignedBody};
 
-/// How an output reads the motion between two time steps.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Sampling {
-    /// On the cubic through values and rates at both ends of the step.
-    Cubic,
-    /// At the ends of the step alone.
-    Steps,
-    /// By events, which the steps do not pass over: no peak is missed between two steps.
-    Events,
-}
-
-impl Sampling {
-    /// How an output of this kind reads the motion. What another program measures has no peaks between the steps of this one.
-    pub(crate) fn of_output(kind: &OutputKind) -> Self {
-        match kind {
-            OutputKind::AngularVelocityDifference { .. }
-            | OutputKind::AngleDifference { .. }
-            | OutputKind::PositionError { .. }
-            | OutputKind::AngleError { .. } => Sampling::Cubic,
-            OutputKind::PeakJointForce { .. }
-            | OutputKind::Acceleration { .. }
-            | OutputKind::AngularAcceleration { .. }
-            | OutputKind::DrivingTorque { .. } => Sampling::Steps,
-            OutputKind::Impacts { .. }
-            | OutputKind::ImpactEnergy { .. }
-            | OutputKind::Backlash { .. }
-            | OutputKind::PositionBacklash { .. }
-            | OutputKind::LargestWear { .. }
-            | OutputKind::Wear { .. }
-            | OutputKind::External { .. } => Sampling::Events,
-        }
-    }
-
-    /// Largest share of the amplitude of a vibration by which its peak can be missed [1]: x^4 / 384 on a cubic, x^2 / 8 at the
-    /// ends of the steps, where `phase` x is the angle of the vibration per time step [rad]. Valid for x below about 1.
-    ///
-    /// # Source
-    /// Error of piecewise Hermite and linear interpolation: de Boor, A Practical Guide to Splines (1978).
-    pub(crate) fn missed_peak(self, phase: f64) -> f64 {
-        match self {
-            Sampling::Cubic => phase * phase * phase * phase / 384.0,
-            Sampling::Steps => phase * phase / 8.0,
-            Sampling::Events => 0.0,
-        }
+/// Largest share of the amplitude of a vibration by which an output of this kind can miss its peak between two time steps [1], where `phase`
+/// x is the angle of the vibration per time step [rad]: x^4 / 384 on the cubic through values and rates at both ends of the step, x^2 / 8
+/// at the ends of the steps alone, nothing by events, which the steps do not pass over. What another program measures has no peaks between the
+/// steps of this one. Valid for x below about 1.
+///
+/// # Source
+/// Error of piecewise Hermite and linear interpolation: de Boor, A Practical Guide to Splines (1978).
+pub(crate) fn missed_peak(kind: &OutputKind, phase: f64) -> f64 {
+    match kind {
+        OutputKind::AngularVelocityDifference { .. }
+        | OutputKind::AngleDifference { .. }
+        | OutputKind::PositionError { .. }
+        | OutputKind::AngleError { .. } => phase * phase * phase * phase / 384.0,
+        OutputKind::PeakJointForce { .. }
+        | OutputKind::Acceleration { .. }
+        | OutputKind::AngularAcceleration { .. }
+        | OutputKind::DrivingTorque { .. } => phase * phase / 8.0,
+        OutputKind::Impacts { .. }
+        | OutputKind::ImpactEnergy { .. }
+        | OutputKind::Backlash { .. }
+        | OutputKind::PositionBacklash { .. }
+        | OutputKind::LargestWear { .. }
+        | OutputKind::Wear { .. }
+        | OutputKind::External { .. } => 0.0,
     }
 }
 
@@ -93,11 +73,8 @@ pub(crate) fn recording_request(outputs: &[Output]) -> RecordingRequest {
             OutputKind::AngularAcceleration { body } => request.angular_accelerations.push(*body),
             OutputKind::Impacts { .. } | OutputKind::ImpactEnergy { .. } => request.impacts = true,
             OutputKind::DrivingTorque { body } => request.driven.push(*body),
-            OutputKind::Backlash { body, held } => {
-                request.backlashes.push(SoughtBacklash::of_angle(*body, *held));
-            }
-            OutputKind::PositionBacklash { at, direction, held } => {
-                request.backlashes.push(SoughtBacklash::of_place(*at, *direction, *held));
+            OutputKind::Backlash { .. } | OutputKind::PositionBacklash { .. } => {
+                request.backlashes.push(output.kind.clone());
             }
         }
     }
@@ -133,9 +110,6 @@ pub(crate) fn motion_value(kind: &OutputKind, cycle: &RecordedCycle) -> f64 {
             cycle.impacts(joints).map(|count| count.hardest).fold(0.0, f64::max)
         }
         OutputKind::DrivingTorque { body } => driving_torque(*body, cycle),
-        OutputKind::Backlash { body, held } => backlash(&SoughtBacklash::of_angle(*body, *held), cycle),
-        OutputKind::PositionBacklash { at, direction, held } => {
-            backlash(&SoughtBacklash::of_place(*at, *direction, *held), cycle)
-        }
+        OutputKind::Backlash { .. } | OutputKind::PositionBacklash { .. } => backlash(kind, cycle),
     }
 }

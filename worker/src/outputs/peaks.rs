@@ -31,12 +31,11 @@
 //! Mechanical Design 112, 369-376: energy of the approach and loss (1 - e^2). Transition from free flight to contact: Flores, Ambrosio,
 //! Claro, Lankarani (2008), Kinematics and Dynamics of Multibody Systems with Imperfect Joints, chapter 3.
 
-use super::RecordingRequest;
 use crate::contact::PADS;
 use crate::integrate::{Dynamics, Linearised};
 use crate::mechanism::{End, Frame, Island, TimedState};
 use crate::plane::length;
-use common::scene::{Attachment, Scene};
+use common::scene::{Attachment, OutputKind, Scene};
 
 /// Impacts of one joint over a cycle so far.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -50,22 +49,14 @@ pub struct ImpactCount {
 }
 
 /// Largest value over a cycle, and over its part after the start.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Largest {
-    /// Over the whole cycle.
-    pub whole: f64,
-    /// After the start.
-    pub later: f64,
-}
+pub(super) type Largest = [f64; 2];
 
-impl Largest {
-    /// Adds a value at an instant that is `later` than the start.
-    #[inline(always)]
-    pub(super) fn push(&mut self, value: f64, later: bool) {
-        self.whole = self.whole.max(value);
-        if later {
-            self.later = self.later.max(value);
-        }
+/// Adds a value at an instant that is `later` than the start.
+#[inline(always)]
+pub(super) fn push_largest([whole, after]: &mut Largest, value: f64, later: bool) {
+    *whole = whole.max(value);
+    if later {
+        *after = after.max(value);
     }
 }
 
@@ -115,8 +106,8 @@ impl Peaks {
 
     /// Removes the recording, for a new cycle.
     pub(crate) fn clear(&mut self) {
-        self.accelerations.iter_mut().for_each(|(.., peak)| *peak = Largest::default());
-        self.angular.iter_mut().for_each(|(.., peak)| *peak = Largest::default());
+        self.accelerations.iter_mut().for_each(|(.., peak)| *peak = [0.0; 2]);
+        self.angular.iter_mut().for_each(|(.., peak)| *peak = [0.0; 2]);
         if let Some(impacts) = &mut self.impacts {
             impacts.counts.fill([ImpactCount::default(); 2]);
             impacts.flight.fill(None);
@@ -136,8 +127,8 @@ impl Peaks {
 
     /// Leaves what comes after the start of the cycle.
     pub(super) fn drop_start(&mut self) {
-        self.accelerations.iter_mut().for_each(|(.., peak)| peak.whole = peak.later);
-        self.angular.iter_mut().for_each(|(.., peak)| peak.whole = peak.later);
+        self.accelerations.iter_mut().for_each(|(.., peak)| peak[0] = peak[1]);
+        self.angular.iter_mut().for_each(|(.., peak)| peak[0] = peak[1]);
         if let Some(impacts) = &mut self.impacts {
             impacts.counts.iter_mut().for_each(|[whole, later]| *whole = *later);
         }
@@ -154,10 +145,10 @@ impl Peaks {
             let (alpha, turning) = (acceleration(k + 2), body.omega * body.omega);
             let ax = acceleration(k) - alpha * ry - turning * rx;
             let ay = acceleration(k + 1) + alpha * rx - turning * ry;
-            peak.push(libm::hypot(ax, ay), later);
+            push_largest(peak, libm::hypot(ax, ay), later);
         }
         for (_, slot, peak) in &mut self.angular {
-            peak.push(acceleration(3 * *slot + 2).abs(), later);
+            push_largest(peak, acceleration(3 * *slot + 2).abs(), later);
         }
         if let Some(impacts) = &mut self.impacts {
             impacts.push(island, now, later, at);
@@ -166,12 +157,12 @@ impl Peaks {
 
     /// Largest acceleration of a point, if it is on this island and requested [m/s^2].
     pub(crate) fn acceleration(&self, at: &Attachment) -> Option<f64> {
-        self.accelerations.iter().find(|(place, ..)| place == at).map(|(.., peak)| peak.whole)
+        self.accelerations.iter().find(|(place, ..)| place == at).map(|(.., peak)| peak[0])
     }
 
     /// Largest angular acceleration of a body of the scene, if it is in this island and requested [rad/s^2].
     pub(crate) fn angular_acceleration(&self, body: usize) -> Option<f64> {
-        self.angular.iter().find(|(of, ..)| *of == body).map(|(.., peak)| peak.whole)
+        self.angular.iter().find(|(of, ..)| *of == body).map(|(.., peak)| peak[0])
     }
 
     /// Impacts of a joint of the scene, if it is in this island and they are requested.
@@ -204,13 +195,13 @@ impl ImpactRecording {
             for (corners, flights) in faces {
                 // Both corners of a face that strike within a step are one impact, of its middle.
                 let (mut struck, mut approach, mut gradient) = (0.0, 0.0, [0.0; 6]);
-                for (corner, flight) in corners.iter().zip(flights) {
-                    if corner.overlap <= 0.0 {
-                        *flight = Some(corner.rate);
+                for ((overlap, rate, slope), flight) in corners.iter().zip(flights) {
+                    if *overlap <= 0.0 {
+                        *flight = Some(*rate);
                     } else if let Some(speed) = flight.take() {
                         struck += 1.0;
                         approach += speed;
-                        gradient.iter_mut().zip(corner.gradient).for_each(|(sum, part)| *sum += part);
+                        gradient.iter_mut().zip(slope).for_each(|(sum, part)| *sum += part);
                     }
                 }
                 if struck > 0.0 {
@@ -237,4 +228,36 @@ fn add(counts: &mut [ImpactCount; 2], energy: f64, later: bool) {
 fn unit(x: [f64; 2]) -> [f64; 2] {
     let size = length(x);
     if size > 0.0 { x.map(|x| x / size) } else { x }
+}
+
+/// Quantities to record over every measured cycle.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct RecordingRequest {
+    /// Bodies of the scene whose angle and angular velocity are recorded.
+    pub bodies: Vec<usize>,
+    /// Points whose path is recorded.
+    pub points: Vec<Attachment>,
+    /// Points whose path on the mechanism with ideal joints is needed.
+    pub ideal_points: Vec<Attachment>,
+    /// Bodies of the scene whose angle on the mechanism with ideal joints is needed.
+    pub ideal_bodies: Vec<usize>,
+    /// Points whose largest acceleration is recorded.
+    pub accelerations: Vec<Attachment>,
+    /// Bodies of the scene whose largest angular acceleration is recorded.
+    pub angular_accelerations: Vec<usize>,
+    /// Driven bodies of the scene on which the moment of joints and loads is recorded.
+    pub driven: Vec<usize>,
+    /// Outputs that are a backlash, for which the influence of the joints is needed, in the mechanism with ideal joints.
+    pub backlashes: Vec<OutputKind>,
+    /// True if the largest force of every joint is recorded.
+    pub peak_forces: bool,
+    /// True if the impacts of every joint with clearance are recorded.
+    pub impacts: bool,
+}
+
+impl RecordingRequest {
+    /// True if the motion of the mechanism with ideal joints is needed.
+    pub(crate) fn needs_ideal_motion(&self) -> bool {
+        !(self.ideal_points.is_empty() && self.ideal_bodies.is_empty() && self.backlashes.is_empty())
+    }
 }

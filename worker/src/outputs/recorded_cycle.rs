@@ -1,9 +1,9 @@
 //! The recorded motion of one cycle, as the outputs read it.
 
 use super::peaks::{ImpactCount, Peaks};
-use super::{BodyTrack, MomentTrack, PointTrack, Recorder, SoughtBacklash};
+use super::{BodyTrack, MomentTrack, PointTrack, Recorder};
 use crate::mechanism::{Influence, Island, Prescribed};
-use common::scene::{Attachment, Scene};
+use common::scene::{Attachment, OutputKind, Scene};
 use std::borrow::Cow;
 
 /// Intervals per cycle at which prescribed motions are sampled and displayed histories given.
@@ -32,12 +32,12 @@ pub struct IdealTracks {
     /// Requested bodies of the scene with their angles; accelerations are zero.
     pub angles: Vec<(usize, BodyTrack)>,
     /// Requested backlashes with the influence of the joints in the positions of each.
-    pub influences: Vec<(SoughtBacklash, Vec<Influence>)>,
+    pub influences: Vec<(OutputKind, Vec<Influence>)>,
 }
 
 impl IdealTracks {
     /// Influence of the joints on a requested backlash, in every position that counts.
-    pub(super) fn influences(&self, sought: &SoughtBacklash) -> &[Influence] {
+    pub(super) fn influences(&self, sought: &OutputKind) -> &[Influence] {
         self.influences.iter().find(|(of, _)| of == sought).map_or(&[], |(_, found)| found)
     }
 }

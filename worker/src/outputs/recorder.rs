@@ -1,7 +1,7 @@
 //! Recording of one island over a cycle: contact histories for the wear, what the outputs request, and everything if the
 //! cycle is displayed.
 
-use super::peaks::{Largest, Peaks};
+use super::peaks::{Largest, Peaks, push_largest};
 use super::{BodyTrack, FullRecording, MomentTrack, MotionRows, PointTrack, RecordingRequest};
 use crate::contact::GuideReaction;
 use crate::integrate::{Dynamics, Linearised, StateObserver};
@@ -86,7 +86,7 @@ impl Recorder {
             points: requested.points.iter().filter_map(point).collect(),
             moments: touched.map(|k| (k, MomentTrack::default())).collect(),
             peaks: Peaks::new(island, scene, requested),
-            peak_forces: requested.peak_forces.then(|| vec![Largest::default(); joints]),
+            peak_forces: requested.peak_forces.then(|| vec![[0.0; 2]; joints]),
             start_end: START * scene.life.period,
             last: None,
             recorded: None,
@@ -112,7 +112,7 @@ impl Recorder {
     pub(crate) fn peak_force(&self, island: &Island, joint: usize) -> Option<f64> {
         let all = island.all_joints();
         let peaks = self.peak_forces.as_ref()?;
-        all.zip(peaks).find(|(scene_joint, _)| *scene_joint == joint).map(|(_, peak)| peak.whole)
+        all.zip(peaks).find(|(scene_joint, _)| *scene_joint == joint).map(|(_, peak)| peak[0])
     }
 
     /// Removes the recording, for a new cycle.
@@ -123,7 +123,7 @@ impl Recorder {
         self.points.iter_mut().for_each(|(.., track)| track.clear());
         self.moments.iter_mut().for_each(|(_, track)| track.clear());
         if let Some(peaks) = &mut self.peak_forces {
-            peaks.fill(Largest::default());
+            peaks.fill([0.0; 2]);
         }
         self.peaks.clear();
         (self.last, self.recorded) = (None, None);
@@ -135,7 +135,7 @@ impl Recorder {
         rest.bodies.iter_mut().for_each(|(.., track)| track.drop_until(self.start_end));
         rest.points.iter_mut().for_each(|(.., track)| track.drop_until(self.start_end));
         rest.moments.iter_mut().for_each(|(_, track)| track.drop_until(self.start_end));
-        rest.peak_forces.iter_mut().flatten().for_each(|peak| peak.whole = peak.later);
+        rest.peak_forces.iter_mut().flatten().for_each(|peak| peak[0] = peak[1]);
         rest.peaks.drop_start();
         rest
     }
@@ -190,7 +190,7 @@ impl Recorder {
             let contacts = at.joints.iter().map(|j| libm::hypot(j.force[0], j.force[1]));
             let contacts = contacts.chain(at.guides.iter().map(GuideReaction::force));
             for (peak, force) in peaks.iter_mut().zip(contacts.chain(island.ideal_forces(at))) {
-                peak.push(force, later);
+                push_largest(peak, force, later);
             }
         }
         self.peaks.push(island, (t, q, v), later, at);

@@ -122,32 +122,6 @@ impl BodyTrack {
     }
 }
 
-/// Bounds of a quantity between two neighbouring times of a track: it lies within `reach` of `middle`.
-#[derive(Debug, Clone, Copy)]
-pub struct Spread {
-    /// Mean of the values at both ends.
-    pub middle: f64,
-    /// Largest distance from it.
-    pub reach: f64,
-}
-
-impl Spread {
-    /// Bounds of the cubic through values and slopes at both ends of interval `k`.
-    ///
-    /// With the slopes d0, d1 and the rise r over the interval the cubic lies s (1 - s) ((1 - s) (d0 - r) - s (d1 - r)) beside its chord,
-    /// s in [0, 1]: at most 4/27 (|d0 - r| + |d1 - r|).
-    #[inline]
-    pub(super) fn new(time: &[f64], value: &[f64], slope: &[f64], k: usize) -> Self {
-        let h = time[k + 1] - time[k];
-        let rise = value[k + 1] - value[k];
-        let middle = 0.5 * (value[k] + value[k + 1]);
-        let beside = (h * slope[k] - rise).abs() + (h * slope[k + 1] - rise).abs();
-        // Something more than rounding.
-        let reach = 0.5 * rise.abs() + 0.149 * beside + 1e-12 * middle.abs();
-        Spread { middle, reach }
-    }
-}
-
 /// A quantity between two neighbouring times of a track.
 #[derive(Debug, Clone, Copy)]
 pub struct Piece {

@@ -36,10 +36,6 @@ const MOST_REST_ITERATIONS: usize = 200;
 /// Factor by which the search for equilibrium raises the square of its pseudo-time step after each iteration [1].
 const LENGTHENING: f64 = 4.0;
 
-/// Newton's method did not converge.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct NotConverged;
-
 /// The gaps, their past values and the work space of a step; all vectors `(n,)` but the matrix.
 #[derive(Debug, Clone)]
 pub struct GapSolver {
@@ -94,17 +90,15 @@ impl GapSolver {
     }
 
     /// Solves for the gaps at rest at time `t` [s], from the gaps `start` `(n,)`: pseudo-time steps of the dynamics that drop the
-    /// velocity, (M / tau^2 - df/dq) dg = f - M a_ideal, with tau growing until the step is Newton's.
-    ///
-    /// # Errors
-    /// [`NotConverged`] if no equilibrium is found.
+    /// velocity, (M / tau^2 - df/dq) dg = f - M a_ideal, with tau growing until the step is Newton's; `None` if no equilibrium is
+    /// found.
     pub(crate) fn solve_rest<D: Stepped>(
         &mut self,
         system: &mut D,
         ideal: &IdealMotion,
         t: f64,
         start: &[f64],
-    ) -> Result<(), NotConverged> {
+    ) -> Option<()> {
         let n = self.n;
         self.trial.copy_from_slice(start);
         ideal.evaluate(t, &mut self.ideal_q, &mut self.ideal_v, &mut self.ideal_a);
@@ -127,23 +121,15 @@ impl GapSolver {
                 self.past[0].copy_from_slice(&self.trial);
                 self.time[0] = t;
                 self.known = 1;
-                return Ok(());
+                return Some(());
             }
             inverse_square = Some(if settled { 0.0 } else { inertia / LENGTHENING });
         }
-        Err(NotConverged)
+        None
     }
 
-    /// Tries a step of length `h` [s].
-    ///
-    /// # Errors
-    /// [`NotConverged`] if Newton's method does not converge.
-    pub(crate) fn try_step<D: Stepped>(
-        &mut self,
-        system: &mut D,
-        ideal: &IdealMotion,
-        h: f64,
-    ) -> Result<(), NotConverged> {
+    /// Tries a step of length `h` [s]; `None` if Newton's method does not converge.
+    pub(crate) fn try_step<D: Stepped>(&mut self, system: &mut D, ideal: &IdealMotion, h: f64) -> Option<()> {
         let t = self.time[0] + h;
         ideal.evaluate(t, &mut self.ideal_q, &mut self.ideal_v, &mut self.ideal_a);
         self.predict(t);
@@ -154,10 +140,10 @@ impl GapSolver {
             let size = self.newton_update(system.scales().0)?;
             self.move_by(size);
             if size <= CONVERGED {
-                return Ok(());
+                return Some(());
             }
         }
-        Err(NotConverged)
+        None
     }
 
     /// Estimates the local error of the step of length `h` [s] just tried, the largest over the coordinates in their scales [1].
@@ -227,12 +213,12 @@ impl GapSolver {
         }
     }
 
-    /// Solves for Newton's update and returns its size in the scales [1].
-    fn newton_update(&mut self, scale: &[f64]) -> Result<f64, NotConverged> {
-        self.factors.factor(|place| self.matrix[place]).map_err(|_| NotConverged)?;
+    /// Solves for Newton's update and returns its size in the scales [1]; `None` if there is no finite one.
+    fn newton_update(&mut self, scale: &[f64]) -> Option<f64> {
+        self.factors.factor(|place| self.matrix[place])?;
         self.factors.solve(&mut self.update);
         let size = largest_scaled(&self.update, scale);
-        if size.is_finite() { Ok(size) } else { Err(NotConverged) }
+        size.is_finite().then_some(size)
     }
 
     /// Adds the update of this size to the trial gaps, shortened to the longest allowed.

@@ -9,7 +9,7 @@
 //! Hairer, Nørsett, Wanner: Solving Ordinary Differential Equations I (1993), section II.4 (step length) and III.5 (bound on
 //! its growth).
 
-use super::gap_solver::{GapSolver, NotConverged};
+use super::gap_solver::GapSolver;
 use super::{IdealMotion, Unsuitable};
 use crate::integrate::{Linearised, StateObserver, StepControl, StepCounts, Stepped};
 
@@ -48,7 +48,7 @@ impl QuasiStaticStepper {
         counts.forces += self.solver.iterations - before;
         self.time = t;
         self.control.after_jump();
-        found.map_err(|_| Unsuitable::NoRest(t))
+        found.ok_or(Unsuitable::NoRest(t))
     }
 
     /// Integrates the gaps to time `end` [s]; `observer` receives every accepted state, both ends included.
@@ -106,8 +106,8 @@ impl QuasiStaticStepper {
     /// Computes a step of length `h` [s], and sets the length of the next one; true if it is accepted.
     fn try_step<D: Stepped>(&mut self, system: &mut D, h: f64) -> bool {
         let error = match self.solver.try_step(system, &self.ideal, h) {
-            Ok(()) => self.solver.estimate_error(h, system.scales().0) / self.control.tolerance,
-            Err(NotConverged) => f64::INFINITY,
+            Some(()) => self.solver.estimate_error(h, system.scales().0) / self.control.tolerance,
+            None => f64::INFINITY,
         };
         if error <= 1.0 {
             let growth = (0.9 / libm::cbrt(error.max(1e-6))).clamp(0.3, LARGEST_GROWTH);

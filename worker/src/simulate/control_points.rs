@@ -27,24 +27,15 @@ use std::f64::consts::TAU;
 /// Step between the numbers that are chosen.
 const STEP: usize = 12;
 
-/// A scene whose joints all have a number of control points, and what finding it cost.
-pub struct NumberedScene {
-    /// The scene, all its conditions included.
-    pub scene: Scene,
-    /// Steps of the cycles in which the arcs were found.
-    pub counts: StepCounts,
-    /// Number of these cycles.
-    pub cycles: u64,
-}
-
-/// The scene with the control points of the joints that leave them to the arc; `None` if there are no such joints.
+/// The scene, all its conditions included, with the control points of the joints that leave them to the arc; steps and number of the cycles in
+/// which the arcs were found. `None` if there are no such joints.
 ///
 /// # Errors
 /// [`SimulationFailure`] if the first cycle under a condition fails.
 pub(crate) async fn with_control_points(
     queue: &LaneQueue,
     scene: &Scene,
-) -> Simulated<Option<NumberedScene>> {
+) -> Simulated<Option<(Scene, StepCounts, u64)>> {
     if !scene.joints.iter().any(|joint| is_open(&joint.kind)) {
         return Ok(None);
     }
@@ -72,7 +63,7 @@ pub(crate) async fn with_control_points(
     let mut scene = scene.clone();
     set_control_points(&mut scene, &arcs);
     scene.conditions.iter_mut().for_each(|condition| set_control_points(&mut condition.scene, &arcs));
-    Ok(Some(NumberedScene { scene, counts, cycles }))
+    Ok(Some((scene, counts, cycles)))
 }
 
 /// The scene with `factor` [1] times its control points, on bores and on guides, where intervals of a guide are halved, see

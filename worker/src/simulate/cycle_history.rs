@@ -193,7 +193,7 @@ pub(crate) fn finish(runs: &[Run], life: LifeHistory, first: FirstCycle) -> Simu
         start: start.into_iter().map(|value| value.is_finite().then_some(value)).collect(),
         joints,
         first_cycle: first.history,
-        worn: run.display.as_ref().and_then(|display| display.life.clone()),
+        worn: run.display.as_ref().and_then(|(_, life)| life.clone()),
         diagnostics: Diagnostics {
             steps: sum(|run| run.counts.steps),
             rejected_steps: sum(|run| run.counts.rejected),
@@ -210,7 +210,7 @@ pub(crate) fn finish(runs: &[Run], life: LifeHistory, first: FirstCycle) -> Simu
             unsettled: runs.iter().find_map(|run| run.repetition.unsettled.clone()),
             quasi_static: !run.quasi_static.is_empty(),
             energy: first.energy,
-            worn_energy: run.display.as_ref().and_then(|display| display.energy),
+            worn_energy: run.display.as_ref().and_then(|(energy, _)| *energy),
         },
     })
 }

@@ -33,7 +33,7 @@
 use super::motion_estimate::{MeasuredLives, MotionEstimate};
 use super::probe::SURFACES;
 use super::run::Run;
-use crate::outputs::Sampling;
+use crate::outputs::missed_peak;
 use crate::wear::{WornAmounts, wear_output};
 use common::scene::{Scene, WearQuantity};
 use std::f64::consts::TAU;
@@ -111,7 +111,7 @@ impl ErrorEstimate {
                 None => {
                     let values = (&*checkpoints, &*histories[k]);
                     let behind = |life| self.relative_wear_error(scene, life);
-                    let missed_peak = Sampling::of_output(&output.kind).missed_peak(phase);
+                    let missed_peak = missed_peak(&output.kind, phase);
                     let of_motion = &self.conditions[condition];
                     let mut error = of_motion.motion_errors(k, values, measured, missed_peak, behind);
                     if !scene.control_points_of_model {

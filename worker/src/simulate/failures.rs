@@ -2,11 +2,10 @@
 //! their guides, and outputs that have no value where ideal joints become dependent, since the forces of single joints grow without bound there.
 
 use crate::integrate::IntegrationError;
-use crate::mechanism::{Frame, Island, Pose, Prescribed, ideal_cycle};
-use crate::plane::dot;
+use crate::mechanism::{Island, ideal_cycle, places_in_guide};
 use crate::wear::{WearStep, WearStepFailed};
 use common::failure::SimulationFailure;
-use common::scene::{Attachment, ContactLaw, Joint, JointKind, OutputKind, Scene};
+use common::scene::{ContactLaw, Joint, JointKind, OutputKind, Scene};
 
 /// A result of a simulation, or what ended it.
 pub(crate) type Simulated<T> = Result<T, SimulationFailure>;
@@ -66,27 +65,11 @@ fn covered(scene: &Scene, joint: usize) -> Option<([f64; 2], [f64; 2])> {
     let joint = &scene.joints[joint];
     let JointKind::Guide(guide) = &joint.kind else { return None };
     let poses = ideal_cycle(scene, POSES, &mut 0).ok().filter(|poses| poses.len() == POSES)?;
-    let (sin, cos) = libm::sincos(guide.axis);
-    let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
-    for pose in &poses {
-        let (slider, rail) = (frame(scene, pose, &joint.journal)?, frame(scene, pose, &joint.bushing)?);
-        let (at, from) = (slider.point(scene.arm(&joint.journal)), rail.point(scene.arm(&joint.bushing)));
-        let along = dot(rail.turn([cos, sin]), [at[0] - from[0], at[1] - from[1]]);
-        (first, last) = (first.min(along), last.max(along));
-    }
+    let along = places_in_guide(scene, joint, guide.axis, &poses);
+    let first = along.iter().copied().fold(f64::INFINITY, f64::min);
+    let last = along.into_iter().fold(f64::NEG_INFINITY, f64::max);
     let half = 0.5 * guide.length;
     Some(([first - half, last + half], guide.reach))
-}
-
-/// Frame of the body of this place in a pose.
-fn frame(scene: &Scene, pose: &Pose, place: &Attachment) -> Option<Frame> {
-    match (pose.q[place.body], pose.v[place.body]) {
-        (Some(q), Some(v)) => Some(Frame::free(&q, &v)),
-        _ => {
-            let motion = Prescribed::from_body(&scene.bodies[place.body])?;
-            Some(Frame::turning(motion.position, &motion.jet(pose.time)))
-        }
-    }
 }
 
 /// Checks that no output of the scene reads forces of the ideal joints of an island that has passed this number of positions in which they
@@ -120,14 +103,11 @@ pub(crate) fn failure(
     island: &Island,
     scene: &Scene,
 ) -> SimulationFailure {
-    let name = |joint: usize| {
-        island.contacts().nth(joint).map_or_else(String::new, |joint| scene.joints[joint].name.clone())
-    };
+    let named = |joint: usize| scene.joints[joint].name.clone();
+    let name = |joint: usize| island.contacts().nth(joint).map_or_else(String::new, named);
     // Without contact the friction of ideal joints may be what makes steps short.
-    let rubbing = || {
-        let joint = island.ideal.constraints.iter().find(|c| c.friction.is_some())?;
-        Some(scene.joints[joint.scene_joint].name.clone())
-    };
+    let rubbing =
+        || island.ideal.constraints.iter().find(|c| c.friction.is_some()).map(|c| named(c.scene_joint));
     match error {
         IntegrationError::StepTooSmall { time, step, error, joint } => {
             let joint = joint.map(name).or_else(rubbing);
@@ -150,10 +130,10 @@ pub(crate) fn failure(
         }
         IntegrationError::Singular(time) => SimulationFailure::Singular { cycle, time },
         IntegrationError::Branching { time, joint } => {
-            SimulationFailure::Branching { cycle, time, joint: scene.joints[joint].name.clone() }
+            SimulationFailure::Branching { cycle, time, joint: named(joint) }
         }
         IntegrationError::SelfLocking { time, joint } => {
-            let joint = scene.joints[island.ideal.constraints[joint].scene_joint].name.clone();
+            let joint = named(island.ideal.constraints[joint].scene_joint);
             SimulationFailure::SelfLocking { cycle, time, joint }
         }
         IntegrationError::NotFinite(time) => {

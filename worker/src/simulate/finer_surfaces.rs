@@ -2,7 +2,7 @@
 //! four times the points.
 //!
 //! The two surfaces have worn under the contacts of the same cycles (`wear/finer_bore.rs`); the cycle on them starts where the measured
-//! one did. The error that follows from the outputs of the three: `finer_cycles.rs`.
+//! one did. The error that follows from the outputs of the three: `probe.rs`.
 //!
 //! The cycles are compared where others are probed (`probe.rs`), and before where an output has moved.
 
@@ -12,7 +12,7 @@ use super::partial_life::{ConditionLife, PartialLife};
 use super::probe::{FinerCycles, is_probed};
 use super::quasi_static_island::wear_histories;
 use super::{Run, Simulated, join};
-use crate::wear::StepRule;
+use crate::wear::step_tolerance;
 use common::scene::Life;
 use std::ops::Range;
 
@@ -72,8 +72,8 @@ impl Run<'_> {
     /// Wears the copies on which the motion is compared, if outputs depend on it and a joint wears.
     pub(crate) fn start_comparing_finer(&mut self) {
         if self.first_motion_output().is_some() && self.wears() && !self.scene.life.is_single_cycle() {
-            let rule = StepRule::new(&self.scene.wear, self.accuracy.wear_tolerance);
-            self.islands.iter_mut().for_each(|state| state.add_finest(rule));
+            let tolerance = step_tolerance(&self.scene.wear, self.accuracy.wear_tolerance);
+            self.islands.iter_mut().for_each(|state| state.add_finest(tolerance));
         }
     }
 

@@ -78,7 +78,7 @@ pub fn first_look(scene: &Scene, accuracy: &Accuracy) -> Simulated<FirstLook> {
     let timed = run_alone(|queue| async move { with_period_of_turn(&queue, scene, accuracy).await })?;
     let scene = timed.as_ref().unwrap_or(scene);
     let numbered = run_alone(|queue| async move { with_control_points(&queue, scene).await })?;
-    let scene = numbered.as_ref().map_or(scene, |numbered| &numbered.scene);
+    let scene = numbered.as_ref().map_or(scene, |(numbered, ..)| numbered);
     let look = |scene| run_alone(|queue| examine(queue, scene, accuracy));
     let mut conditions = condition_scenes(scene).into_iter().map(|(scene, _)| look(scene));
     let Some(first) = conditions.next() else { unreachable!("at least one condition") };

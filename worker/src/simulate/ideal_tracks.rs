@@ -3,9 +3,9 @@
 
 use super::failures::Simulated;
 use crate::mechanism::{Frame, Influence, Pose, held_poses, influences};
-use crate::outputs::{BodyTrack, IdealTracks, PointTrack, RecordingRequest, SoughtBacklash};
+use crate::outputs::{BodyTrack, IdealTracks, PointTrack, RecordingRequest};
 use common::failure::SimulationFailure;
-use common::scene::{Attachment, Motion, Scene};
+use common::scene::{Attachment, Motion, OutputKind, Scene};
 
 /// What is `requested` of the ideal mechanism over its `poses`. Adds Newton iterations to `iterations`.
 ///
@@ -21,7 +21,7 @@ pub(crate) fn ideal_tracks(
     let path = |at: &Attachment| (*at, ideal_path(scene, poses, at));
     let mut influences = Vec::with_capacity(requested.backlashes.len());
     for sought in &requested.backlashes {
-        influences.push((*sought, influences_on(sought, scene, poses, iterations)?));
+        influences.push((sought.clone(), influences_on(sought, scene, poses, iterations)?));
     }
     Ok(IdealTracks {
         paths: requested.ideal_points.iter().map(path).collect(),
@@ -32,16 +32,16 @@ pub(crate) fn ideal_tracks(
 
 /// Influence of the joints on a backlash in every position that counts.
 fn influences_on(
-    sought: &SoughtBacklash,
+    sought: &OutputKind,
     scene: &Scene,
     poses: &[Pose],
     iterations: &mut u64,
 ) -> Simulated<Vec<Influence>> {
     let not_modelled = |what: String| SimulationFailure::NotModelled { what };
     let at_rest;
-    let poses = match &sought.held {
-        None => poses,
-        Some(held) => {
+    let poses = match sought {
+        OutputKind::Backlash { held: Some(held), .. }
+        | OutputKind::PositionBacklash { held: Some(held), .. } => {
             at_rest = held_poses(scene, poses, held, iterations);
             if at_rest.is_empty() {
                 let (body, angle) = (&scene.bodies[held.body].name, held.angle.to_degrees());
@@ -51,8 +51,9 @@ fn influences_on(
             }
             &at_rest
         }
+        _ => poses,
     };
-    influences(scene, poses, &sought.coordinate).ok_or_else(|| {
+    influences(scene, poses, sought).ok_or_else(|| {
         not_modelled(
             "a backlash where joints and drives do not just determine the position: the play of the joints is \
              not independent"

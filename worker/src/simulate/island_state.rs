@@ -3,7 +3,7 @@
 use crate::integrate::{StepControl, Stepped, Stepper};
 use crate::mechanism::{Island, Pose, WearingPair};
 use crate::outputs::{Recorder, RecordingRequest};
-use crate::wear::{FinerBore, StepRule, WearHistory, WearRate, WearStep};
+use crate::wear::{FinerBore, StepTolerance, WearHistory, WearRate, WearStep, step_tolerance};
 use common::accuracy::Accuracy;
 use common::scene::Scene;
 use std::f64::consts::TAU;
@@ -102,7 +102,7 @@ impl IslandState {
             island.bodies.iter().flat_map(|&b| from[b].unwrap_or_default()).collect()
         };
         let (q, v) = (pick(&pose.q), pick(&pose.v));
-        let rule = StepRule::new(&scene.wear, accuracy.wear_tolerance);
+        let tolerance = step_tolerance(&scene.wear, accuracy.wear_tolerance);
         IslandState {
             stepper: stepper(&island, scene.life.period, accuracy),
             recorder: Recorder::new(&island, scene, requested, accuracy.wear_samples),
@@ -113,8 +113,8 @@ impl IslandState {
             q,
             v,
             rates: island.pairs().map(WearingPair::wear_rate).collect(),
-            steps: island.pairs().map(|pair| WearStep::new(pair.depths(), rule)).collect(),
-            finer: island.pairs().map(|pair| pair.finer_copy(rule)).collect(),
+            steps: island.pairs().map(|pair| WearStep::new(pair.depths(), tolerance)).collect(),
+            finer: island.pairs().map(|pair| pair.finer_copy(tolerance)).collect(),
             finest: vec![],
             depth: island.pairs().map(|pair| vec![0.0; pair.depths()]).collect(),
             island,
@@ -155,12 +155,12 @@ impl IslandState {
 
     /// Wears copies of all pairs with four times the control points beside them, by wear steps like those of the pairs by this `rule`; none has
     /// worn yet.
-    pub(crate) fn add_finest(&mut self, rule: StepRule) {
+    pub(crate) fn add_finest(&mut self, tolerance: StepTolerance) {
         let mut finer = self.island.clone();
         finer.pairs_mut().for_each(|pair| {
             pair.refine(1);
         });
-        self.finest = finer.pairs().map(|pair| pair.finer_copy(rule)).collect();
+        self.finest = finer.pairs().map(|pair| pair.finer_copy(tolerance)).collect();
     }
 
     /// Stepper and empty contact histories for another accuracy of the time steps; `period` is the length of a cycle [s].

@@ -67,15 +67,8 @@ pub struct LongerSteps<'a, M> {
     model: M,
     /// True for an island with longer steps, the same under all operating conditions `(islands,)`.
     islands: Vec<bool>,
-    checked: Checked<'a>,
-}
-
-/// A life at a check that found no difference.
-struct Checked<'a> {
-    runs: Vec<Run<'a>>,
-    life: PartialLife<'a>,
-    /// Its cycles so far.
-    cycles: u32,
+    /// The life at the last check that found no difference, and its cycles.
+    checked: (Vec<Run<'a>>, PartialLife<'a>, u32),
 }
 
 impl<'a, M: CycleModel> LongerSteps<'a, M> {
@@ -99,8 +92,8 @@ impl<'a, M: CycleModel> LongerSteps<'a, M> {
             let before = runs.to_vec();
             let mut life = PartialLife::start(runs, &plain).await?;
             let compared = compare(runs, 0, &steps, &all).await;
-            if let Some(compared) = compared.filter(|compared| !compared.differing.contains(&true)) {
-                note(&mut life, compared.changes(runs, &all));
+            if let Some((cycles, _)) = compared.filter(|(_, differing)| !differing.contains(&true)) {
+                note(&mut life, changes(runs, &cycles, &all));
                 let steps = LongerSteps::taken(runs, plain, &life, all);
                 return Ok((life, Some(steps)));
             }
@@ -110,12 +103,12 @@ impl<'a, M: CycleModel> LongerSteps<'a, M> {
         if life.estimate.conditions.iter().any(|c| c.probes.iter().any(|p| p.aperiodic)) {
             return Ok((life, None));
         }
-        let Some(compared) = compare(runs, 0, &steps, &all).await else { return Ok((life, None)) };
-        let same: Vec<bool> = compared.differing.iter().map(|differs| !differs).collect();
+        let Some((cycles, differing)) = compare(runs, 0, &steps, &all).await else { return Ok((life, None)) };
+        let same: Vec<bool> = differing.iter().map(|differs| !differs).collect();
         if !same.contains(&true) {
             return Ok((life, None));
         }
-        note(&mut life, compared.changes(runs, &same));
+        note(&mut life, changes(runs, &cycles, &same));
         let steps = LongerSteps::taken(runs, plain, &life, same);
         Ok((life, Some(steps)))
     }
@@ -125,7 +118,7 @@ impl<'a, M: CycleModel> LongerSteps<'a, M> {
         tracing::debug!("islands whose time steps are longer while they make no difference: {islands:?}");
         let steps = steps(runs[0].accuracy, &islands);
         runs.iter_mut().for_each(|run| run.set_steps(&steps));
-        let checked = Checked { runs: runs.to_vec(), life: life.clone(), cycles: 0 };
+        let checked = (runs.to_vec(), life.clone(), 0);
         LongerSteps { model, islands, checked }
     }
 
@@ -155,36 +148,35 @@ impl<'a, M: CycleModel> LongerSteps<'a, M> {
             return block.end;
         }
         let steps = self.steps_of_check(runs[0].accuracy, is_probed);
-        let Some(compared) = compare(runs, block.end, &steps, &self.islands).await else {
+        let Some((cycles, differing)) = compare(runs, block.end, &steps, &self.islands).await else {
             return self.go_back(runs, life, &all);
         };
-        if compared.differing.contains(&true) {
-            return self.go_back(runs, life, &compared.differing);
+        if differing.contains(&true) {
+            return self.go_back(runs, life, &differing);
         }
         if is_probed && self.islands.contains(&false) {
-            let probes = join(
-                runs.iter_mut().zip(&compared.cycles).map(|(run, cycles)| run.probe_from(cycles, &steps)),
-            );
+            let probes =
+                join(runs.iter_mut().zip(&cycles).map(|(run, cycles)| run.probe_from(cycles, &steps)));
             let Ok(probes) = probes.await.into_iter().collect::<Result<Vec<Probe>, _>>() else {
                 return self.go_back(runs, life, &all);
             };
             note(life, probes);
         } else {
-            note(life, compared.changes(runs, &self.islands));
+            note(life, changes(runs, &cycles, &self.islands));
         }
-        if is_faster || block.start == self.checked.cycles {
+        if is_faster || block.start == self.checked.2 {
             self.give_up(runs, &moved);
         } else if is_probed && few_left {
             self.give_up(runs, &all);
         }
-        self.checked = Checked { runs: runs.to_vec(), life: life.clone(), cycles: block.end };
+        self.checked = (runs.to_vec(), life.clone(), block.end);
         block.end
     }
 
     /// True if the last check was a few blocks ago, and all islands have longer steps.
     fn is_recent(&self, life: &PartialLife) -> bool {
         let simulated = |life: &PartialLife| life.conditions[0].outputs.len();
-        let since = simulated(life) - simulated(&self.checked.life);
+        let since = simulated(life) - simulated(&self.checked.1);
         since < FEWEST_BLOCKS_LEFT && !self.islands.contains(&false)
     }
 
@@ -195,8 +187,8 @@ impl<'a, M: CycleModel> LongerSteps<'a, M> {
                 now.iter().zip(before).map(|(now, before)| over((now - before).abs(), share * before.abs()));
             changes.fold(0.0, f64::max)
         };
-        let lives = life.conditions.iter().zip(&self.checked.life.conditions);
-        let conditions = runs.iter().zip(&self.checked.runs).zip(lives);
+        let lives = life.conditions.iter().zip(&self.checked.1.conditions);
+        let conditions = runs.iter().zip(&self.checked.0).zip(lives);
         let moved = conditions.map(|((run, run_before), (now, before))| {
             let (Some(now), Some(before)) = (now.outputs.last(), before.outputs.last()) else {
                 return vec![];
@@ -219,7 +211,7 @@ impl<'a, M: CycleModel> LongerSteps<'a, M> {
 
     /// Returns to the last check, with steps of the life's own for these islands from there on; its cycles.
     fn go_back(&mut self, runs: &mut [Run<'a>], life: &mut PartialLife<'a>, islands: &[bool]) -> u32 {
-        let Checked { runs: before, life: checked, cycles } = &self.checked;
+        let (before, checked, cycles) = &self.checked;
         let cycles = *cycles;
         tracing::debug!("longer time steps make a difference in islands {islands:?}: back to cycle {cycles}");
         for (run, before) in runs.iter_mut().zip(before) {
@@ -258,26 +250,21 @@ pub(crate) fn is_long_enough(ends: &[u32]) -> bool {
     ends.len() > FEWEST_BLOCKS
 }
 
-/// Measured cycles under all conditions, compared with further ones.
-struct StepComparison {
-    /// The two cycles of every condition.
-    cycles: Vec<ComparedCycles>,
-    /// True for an island that makes a difference under a condition `(islands,)`.
-    differing: Vec<bool>,
+/// What the further ones of the compared `cycles` change on account of these islands, under every condition.
+fn changes(runs: &[Run], cycles: &[ComparedCycles], of: &[bool]) -> Vec<Probe> {
+    // A change this small is that of the time steps.
+    let periodic = |probe| Probe { aperiodic: false, ..probe };
+    runs.iter().zip(cycles).map(|(run, cycles)| periodic(run.changes(cycles, of))).collect()
 }
 
-impl StepComparison {
-    /// What the further cycles change on account of these islands, under every condition.
-    fn changes(&self, runs: &[Run], of: &[bool]) -> Vec<Probe> {
-        // A change this small is that of the time steps.
-        let periodic = |probe| Probe { aperiodic: false, ..probe };
-        runs.iter().zip(&self.cycles).map(|(run, cycles)| periodic(run.changes(cycles, of))).collect()
-    }
-}
-
-/// Compares the cycles just measured with further ones that have these time `steps` `(islands,)`, on the bores of `life` [cycles]; which of these islands
-/// make a difference. None if a cycle fails.
-async fn compare(runs: &mut [Run<'_>], life: u32, steps: &[Accuracy], of: &[bool]) -> Option<StepComparison> {
+/// Compares the cycles just measured with further ones that have these time `steps` `(islands,)`, on the bores of `life` [cycles]: the two cycles
+/// under every condition, and which of these islands make a difference `(islands,)`. None if a cycle fails.
+async fn compare(
+    runs: &mut [Run<'_>],
+    life: u32,
+    steps: &[Accuracy],
+    of: &[bool],
+) -> Option<(Vec<ComparedCycles>, Vec<bool>)> {
     let cycles = join(runs.iter_mut().map(|run| run.compare_next(life, steps))).await;
     let cycles = cycles.into_iter().collect::<Result<Vec<ComparedCycles>, _>>().ok()?;
     let differing = runs
@@ -285,7 +272,7 @@ async fn compare(runs: &mut [Run<'_>], life: u32, steps: &[Accuracy], of: &[bool
         .zip(&cycles)
         .map(|(run, cycles)| responsible(of, |of| difference(&run.changes(cycles, of), &run.measured)));
     let differing = any_of(of.len(), differing);
-    Some(StepComparison { cycles, differing })
+    Some((cycles, differing))
 }
 
 /// True if an output of the motion has moved in the last block by more than [`FASTER`] of it, and [`ACCELERATED`] times as fast as before.

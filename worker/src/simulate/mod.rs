@@ -45,7 +45,6 @@ mod island_state;
 mod life_in_blocks;
 mod longer_steps;
 mod motion_estimate;
-mod no_wear;
 mod partial_life;
 mod probe;
 mod program_cycles;
@@ -65,12 +64,12 @@ use common::accuracy::Accuracy;
 use common::outputs::Evaluation;
 use common::scene::Scene;
 use conditions::assemble;
-use control_points::{NumberedScene, with_control_points, with_more_points};
+use control_points::{with_control_points, with_more_points};
 use cycle_history::{FirstCycle, finish};
 use failures::Simulated;
-use life_in_blocks::{DynamicCycles, SingleCycle, simulate_life};
+use life_in_blocks::{DynamicCycles, simulate_life};
 use quasi_static::try_quasi_static;
-use run::{Run, WornDisplay};
+use run::Run;
 pub(crate) use side_by_side::widest_lanes;
 use side_by_side::{LaneQueue, RunningEvaluation, join, run_alone, run_side_by_side};
 use std::time::Duration;
@@ -100,17 +99,11 @@ impl SimulateOptions {
 /// # Errors
 /// [`common::failure::SimulationFailure`]: the failure of the physics or the numerics, with time, cycle and joint.
 pub fn simulate(scene: &Scene, accuracy: &Accuracy, options: SimulateOptions) -> Simulated<Evaluation> {
-    simulate_counted(scene, accuracy, options).result
+    simulate_counted(scene, accuracy, options).0
 }
 
-/// An evaluation with the time steps that it tried.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CountedEvaluation {
-    /// The evaluation, or its failure.
-    pub result: Simulated<Evaluation>,
-    /// Number of time steps tried, accepted and refused, also those before a failure.
-    pub steps_tried: u64,
-}
+/// The evaluation, or its failure, and the number of time steps tried, accepted and refused, also those before a failure.
+pub type CountedEvaluation = (Simulated<Evaluation>, u64);
 
 /// Simulates like [`simulate`], and counts the time steps even if the evaluation fails.
 pub fn simulate_counted(scene: &Scene, accuracy: &Accuracy, options: SimulateOptions) -> CountedEvaluation {
@@ -144,7 +137,7 @@ pub fn simulate_side_by_side(
         let input = next()?;
         Some(RunningEvaluation::new(&queue, async move |queue| {
             let SimulationInput { scene, accuracy, options } = input?;
-            simulate_stages(queue, &scene, &accuracy, options).await.result
+            simulate_stages(queue, &scene, &accuracy, options).await.0
         }))
     };
     run_side_by_side(width, &queue, most, &mut next_evaluation, done);
@@ -165,15 +158,15 @@ async fn simulate_stages(
         let local = moved_to_origin(scene);
         let scene = local.as_ref().map_or(scene, |(local, _)| local);
         let numbered = with_control_points(&queue, scene).await?;
-        let scene = numbered.as_ref().map_or(scene, |numbered| &numbered.scene);
+        let scene = numbered.as_ref().map_or(scene, |(numbered, ..)| numbered);
         let finer = with_more_points(scene, accuracy.points);
         let scene = finer.as_ref().unwrap_or(scene);
         let mut runs = assemble(&queue, scene, accuracy)?;
-        if let Some(NumberedScene { counts, cycles, .. }) = &numbered {
+        if let Some((_, counts, cycles)) = &numbered {
             runs[0].counts.add(counts);
             runs[0].simulated += cycles;
         }
-        runs.iter_mut().for_each(|run| run.display = options.first_cycle.then(WornDisplay::default));
+        runs.iter_mut().for_each(|run| run.display = options.first_cycle.then(Default::default));
         if !scene.control_points_of_model || options.first_cycle {
             runs[0].start_comparing_finer();
         }
@@ -184,7 +177,7 @@ async fn simulate_stages(
         steps_tried = runs.iter().map(|run| run.counts.steps + run.counts.rejected).sum();
         result
     };
-    CountedEvaluation { result: stages.await, steps_tried }
+    (stages.await, steps_tried)
 }
 
 /// The stages of an evaluation, each under every operating condition.
@@ -195,9 +188,9 @@ async fn evaluate(runs: &mut [Run<'_>]) -> Simulated<Evaluation> {
     let life = if !runs[0].wears() {
         let lives = join(runs.iter_mut().map(Run::life_without_wear)).await;
         LifeHistory::worst(lives.into_iter().collect::<Result<_, _>>()?, scene)
-    } else if scene.life.is_single_cycle() {
-        simulate_life(runs, SingleCycle).await?
-    } else if let Some(life) = try_quasi_static(runs).await {
+    } else if !scene.life.is_single_cycle()
+        && let Some(life) = try_quasi_static(runs).await
+    {
         life
     } else {
         simulate_life(runs, DynamicCycles { probed: true }).await?

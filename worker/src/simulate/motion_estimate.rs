@@ -113,7 +113,7 @@ impl MotionEstimate {
         behind: impl Fn(u32) -> f64,
     ) -> Vec<f64> {
         let values = measured.of_output(k);
-        let to_come = self.repetition.to_come.as_ref().map_or(0.0, |to_come| to_come.motion[k]);
+        let to_come = self.repetition.to_come.as_ref().map_or(0.0, |(motion, _)| motion[k]);
         if self.has_several_motions() {
             let scatter = SCATTER * self.largest_variance(k).sqrt();
             // All motions see the same bores: what follows from these alone does not scatter, and has the error of the wear.
@@ -153,7 +153,7 @@ impl MotionEstimate {
 
     /// Relative error of the wear rates of a surface up to `life` from the cycles that were simulated [1].
     pub(crate) fn relative_rate_error(&self, surface: usize, life: u32) -> f64 {
-        let to_come = self.repetition.to_come.as_ref().map_or(0.0, |to_come| to_come.wear[surface]);
+        let to_come = self.repetition.to_come.as_ref().map_or(0.0, |(_, wear)| wear[surface]);
         if self.spreads.is_empty() {
             to_come + WEAR_SAFETY * self.largest_near(life, |p| p.wear[surface])
         } else {

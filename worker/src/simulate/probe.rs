@@ -21,7 +21,8 @@
 use super::failures::wear_failure;
 use super::island_state::{CycleTools, IslandState};
 use super::{Run, Simulated};
-use crate::wear::WearLaw;
+use crate::mechanism::WearingPair;
+use crate::wear::{NoEquilibrium, WearHistory, WearLaw, WearRate};
 use common::accuracy::Accuracy;
 use common::outputs::PointsError;
 use common::scene::{Life, Output, Scene};
@@ -210,20 +211,34 @@ impl Run<'_> {
         let mut all = vec![Vec::new(); SURFACES * self.scene.joints.len()];
         for IslandState { island, recorder, rates, depth, .. } in &mut self.islands {
             for (k, pair) in island.pairs().enumerate().filter(|(_, pair)| pair.wears()) {
-                let mut found = vec![0.0; depth[k].len()];
-                rates[k].freeze(&recorder.histories[k]);
                 let joint = &self.scene.joints[pair.scene_joint()];
-                rates[k]
-                    .rate(&depth[k], &mut found)
+                add_rates(pair, &mut rates[k], (&recorder.histories[k], &depth[k]), &mut all)
                     .map_err(|unbalanced| wear_failure(joint, cycle, unbalanced))?;
                 rates[k].release();
-                let second = found.split_off(pair.first_depths());
-                all[SURFACES * pair.scene_joint()] = found;
-                all[SURFACES * pair.scene_joint() + 1] = second;
             }
         }
         Ok(all)
     }
+}
+
+/// Puts the wear rates of a `pair` of surfaces worn to `depth` `(depths,)` [m], under this contact history, among those of `all` surfaces of all joints of
+/// the scene `(SURFACES joints, points)` [m per cycle].
+///
+/// # Errors
+/// [`NoEquilibrium`] as of [`WearLaw::rate`].
+pub(super) fn add_rates(
+    pair: &dyn WearingPair,
+    rate: &mut WearRate,
+    (history, depth): (&WearHistory, &[f64]),
+    all: &mut [Vec<f64>],
+) -> Result<(), NoEquilibrium> {
+    let mut found = vec![0.0; depth.len()];
+    rate.freeze(history);
+    rate.rate(depth, &mut found)?;
+    let second = found.split_off(pair.first_depths());
+    all[SURFACES * pair.scene_joint()] = found;
+    all[SURFACES * pair.scene_joint() + 1] = second;
+    Ok(())
 }
 
 impl Probe {
@@ -297,15 +312,10 @@ pub struct FinerCycles {
 }
 
 impl FinerCycles {
-    /// Changes of output `k` with twice and with four times the points [SI].
-    pub(crate) fn changes(&self, k: usize) -> [f64; 2] {
-        let [own, twice, four_times] = &self.outputs;
-        [twice, four_times].map(|finer| finer[k] - own[k])
-    }
-
     /// Estimated error of output `k` [SI], and whether it converges.
     pub(crate) fn error(&self, k: usize) -> (f64, bool) {
-        estimate(self.changes(k))
+        let [own, twice, four_times] = &self.outputs;
+        estimate([twice, four_times].map(|finer| finer[k] - own[k]))
     }
 }
 

@@ -7,14 +7,13 @@
 use super::island_state::kept_time;
 use super::motion_estimate::{MeasuredLives, MotionEstimate, largest_bend};
 use super::partial_life::CycleModel;
-use super::probe::{Probe, SURFACES, contains_one_of, is_probed};
+use super::probe::{Probe, SURFACES, add_rates, contains_one_of, is_probed};
 use super::quasi_static_island::QuasiStaticIsland;
 use super::{LifeHistory, Run, simulate_life};
 use crate::contact::Contact;
 use crate::integrate::StepCounts;
 use crate::mechanism::ideal_cycle;
 use crate::quasi_static::{Unsuitable, ideal_motions, wear_rate_difference};
-use crate::wear::WearLaw;
 use common::accuracy::Tier;
 use common::scene::{Life, Output};
 use std::ops::Range;
@@ -191,14 +190,9 @@ impl Run<'_> {
                 for (rates, recorder) in
                     [(&mut quasi_static, &island.recorder), (&mut dynamic, &state.recorder)]
                 {
-                    let mut rate = vec![0.0; pair.depths()];
-                    state.rates[k].freeze(&recorder.histories[k]);
-                    state.rates[k]
-                        .rate(&state.depth[k], &mut rate)
+                    let measured = (&recorder.histories[k], &state.depth[k][..]);
+                    add_rates(pair, &mut state.rates[k], measured, rates)
                         .map_err(|_| Unsuitable::Disagrees(f64::INFINITY))?;
-                    let second = rate.split_off(pair.first_depths());
-                    rates[SURFACES * pair.scene_joint()] = rate;
-                    rates[SURFACES * pair.scene_joint() + 1] = second;
                 }
             }
         }

@@ -26,19 +26,11 @@ pub struct Repetition {
     /// Sum of all changes still to come over that of the next cycle, for a motion that came to repeat itself only in further settling cycles;
     /// else zero [1].
     pub slowness: f64,
-    /// What is still to come of a motion that has not settled.
-    pub to_come: Option<ToCome>,
+    /// What is still to come of a motion that has not settled: for every output of the motion `(outputs,)` [SI], and relative to the wear rate of every
+    /// surface of every joint of the scene `(SURFACES joints,)` [1].
+    pub to_come: Option<(Vec<f64>, Vec<f64>)>,
     /// Output that changes most from cycle to cycle if the motion has not settled, as the result states it.
     pub unsettled: Option<UnsettledMotion>,
-}
-
-/// What is still to come of a motion that has not settled.
-#[derive(Debug, Clone)]
-pub struct ToCome {
-    /// For every output of the motion `(outputs,)` [SI].
-    pub motion: Vec<f64>,
-    /// Relative to the wear rate of every surface of every joint of the scene `(SURFACES joints,)` [1].
-    pub wear: Vec<f64>,
 }
 
 /// Most modes of the change that are taken out at a time.

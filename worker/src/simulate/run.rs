@@ -5,11 +5,11 @@ use super::ideal_tracks::{ideal_tracks, left_open};
 use super::island_state::{IslandState, StateSnapshot, kept_time};
 use super::quasi_static_island::{QuasiStaticIsland, wear_histories};
 use super::repetition::Repetition;
-use super::side_by_side::{Integrated, LaneQueue, Span};
+use super::side_by_side::LaneQueue;
 use crate::integrate::StepCounts;
 use crate::mechanism::{WearingPair, ideal_cycle, islands, turns_per_cycle};
 use crate::outputs::{FullRecording, IdealTracks, recording_request, sample_times};
-use crate::wear::{MarkedDepths, WearHistory, WearLaw, WearStepStats, WornAmounts, wear_output};
+use crate::wear::{WearHistory, WearLaw, WearStepStats, WornAmounts, wear_output};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::{EnergyBalance, NarrowGroove, PointsError, WornLife};
@@ -54,15 +54,9 @@ pub struct Run<'a> {
     pub points_errors: Vec<PointsError>,
     /// How the motion repeats itself.
     pub repetition: Repetition,
-    /// What is displayed of the worn mechanism, if anything is.
-    pub display: Option<WornDisplay>,
-}
-
-/// Energy of the last cycle, bores through life and the last cycle itself, as far as they have been reached.
-#[derive(Clone, Default)]
-pub struct WornDisplay {
-    pub energy: Option<EnergyBalance>,
-    pub life: Option<WornLife>,
+    /// What is displayed of the worn mechanism, if anything is: energy of the last cycle, bores through life and the last cycle itself, as far as they
+    /// have been reached.
+    pub display: Option<(Option<EnergyBalance>, Option<WornLife>)>,
 }
 
 /// Points per cycle of a path on the ideal mechanism; a cubic between two of them has a relative error of some 1e-11.
@@ -250,9 +244,9 @@ impl<'a> Run<'a> {
         self.start_full_recording();
         self.next_settled_cycle().await?;
         let (energy, history) = (self.energy(), self.cycle_history());
-        let display = self.display.get_or_insert_default();
-        display.energy = Some(energy);
-        display.life.get_or_insert_default().last_cycle = Some(history);
+        let (balance, life) = self.display.get_or_insert_default();
+        *balance = Some(energy);
+        life.get_or_insert_default().last_cycle = Some(history);
         self.stop_full_recording();
         Ok(())
     }
@@ -275,7 +269,7 @@ impl<'a> Run<'a> {
             return;
         }
         let depths = self.depths().into_iter().map(|[bore, _]| bore).collect();
-        let worn = self.display.get_or_insert_default().life.get_or_insert_default();
+        let worn = self.display.get_or_insert_default().1.get_or_insert_default();
         worn.cycles.push(life);
         worn.wear_depth.push(depths);
     }
@@ -291,9 +285,8 @@ impl<'a> Run<'a> {
         let period = self.scene.life.period;
         let mut islands = std::mem::take(&mut self.islands);
         islands.iter_mut().for_each(|state| state.begin(time.start, period));
-        let spans = islands.into_iter().map(|state| Span { state, time: time.clone(), record }).collect();
         let mut first = Ok(());
-        for Integrated { mut state, counts, result } in self.queue.integrate(spans).await {
+        for (mut state, counts, result) in self.queue.integrate(islands, &time, record).await {
             state.time = time.end;
             self.counts.add(&counts);
             first = first.and(result.map_err(|error| failure(error, self.cycle, &state.island, self.scene)));
@@ -340,7 +333,7 @@ impl<'a> Run<'a> {
                 let (rate, depth) = (&mut state.rates[k], &mut state.depth[k]);
                 rate.freeze(&histories[k]);
                 let (sizes, scene_joint) = (rate.sizes(), pair.scene_joint());
-                let note = |mark: usize, depths: &MarkedDepths| {
+                let note = |mark: usize, depths: [&[f64]; 2]| {
                     marked[mark][scene_joint] = sizes.amounts_at(depths);
                 };
                 let length = f64::from(to - from);

@@ -10,7 +10,7 @@
 
 use super::island_state::IslandState;
 use super::probe::{Probe, SURFACES};
-use super::repetition::{NOT_DECAYING, ToCome, size, slowness, to_come};
+use super::repetition::{NOT_DECAYING, size, slowness, to_come};
 use super::{Run, Simulated};
 use crate::integrate::Stepped;
 use crate::outputs::{Recorder, is_extreme};
@@ -172,8 +172,7 @@ impl<'a> Run<'a> {
         });
         let factor = if rest.slowness.is_finite() { rest.slowness } else { WANDERING };
         let scaled = |changes: &[f64]| changes.iter().map(|change| factor * change).collect();
-        self.repetition.to_come =
-            Some(ToCome { motion: scaled(&changes.motion), wear: scaled(&changes.wear) });
+        self.repetition.to_come = Some((scaled(&changes.motion), scaled(&changes.wear)));
         let relative = self.scene.outputs.iter().enumerate().map(|(k, output)| {
             let change = match output.kind.wear() {
                 Some((_, joints)) => {

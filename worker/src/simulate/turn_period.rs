@@ -52,20 +52,20 @@ pub(crate) async fn with_period_of_turn(
 async fn period_of_turn(queue: &LaneQueue, scene: &Scene, accuracy: &Accuracy) -> Simulated<f64> {
     let (Some(body), guess) = (scene.life.turn_of, scene.life.period) else { return Ok(scene.life.period) };
     let mut run = Run::assemble(queue.clone(), scene, accuracy)?;
-    let mut turns = Turns::default();
+    let (mut first, mut times) = (None, vec![]);
     let mut last = f64::NAN;
     for cycle in 0.. {
         run.measure().await?;
         let track = run.islands.iter().find_map(|state| state.recorder.body(&state.island, body));
         let Some(track) = track else { break };
-        turns.add(f64::from(cycle) * guess, track);
-        let found = turns.period();
+        add_turns(&mut first, &mut times, f64::from(cycle) * guess, track);
+        let found = settled_period(&times);
         let enough = found.is_some_and(|period| (period - last).abs() <= SETTLED * period);
-        if enough || turns.times.len() > MOST_TURNS {
+        if enough || times.len() > MOST_TURNS {
             break;
         }
         last = found.unwrap_or(f64::NAN);
-        if f64::from(cycle) > LONGEST_TURN * (turns.times.len() as f64 + 1.0) {
+        if f64::from(cycle) > LONGEST_TURN * (times.len() as f64 + 1.0) {
             let name = &scene.bodies[body].name;
             let what = format!(
                 "period = \"turn of {name}\", which does not turn once in {:.3} s: give it a start_speed and a motor that keep it turning",
@@ -74,44 +74,34 @@ async fn period_of_turn(queue: &LaneQueue, scene: &Scene, accuracy: &Accuracy) -
             return Err(SimulationFailure::NotModelled { what });
         }
     }
-    Ok(turns.period().unwrap_or(guess))
+    Ok(settled_period(&times).unwrap_or(guess))
 }
 
-/// Instants at which a body has turned by whole turns.
-#[derive(Debug, Default)]
-struct Turns {
-    /// Angle at the first instant [rad], and at the last one of a track.
-    first: Option<f64>,
-    /// Instants of the whole turns, the start included [s].
-    times: Vec<f64>,
+/// Adds the track of a cycle that begins at `start` [s] to the instants at which a body has turned by whole turns, the start included [s]; `first` is the
+/// angle at the first instant [rad].
+fn add_turns(first: &mut Option<f64>, times: &mut Vec<f64>, start: f64, track: &BodyTrack) {
+    let Some((&from, &time)) = track.values[0].first().zip(track.time.first()) else { return };
+    let first = *first.get_or_insert(from);
+    if times.is_empty() {
+        times.push(start + time);
+    }
+    for k in 0..track.time.len() - 1 {
+        let turned = |k: usize| (track.values[0][k] - first).abs() / TAU;
+        let next = times.len() as f64;
+        if turned(k) < next && turned(k + 1) >= next {
+            times.push(start + instant(track, k, |angle| (angle - first).abs() / TAU - next));
+        }
+    }
 }
 
-impl Turns {
-    /// Adds the track of a cycle that begins at `start` [s].
-    fn add(&mut self, start: f64, track: &BodyTrack) {
-        let Some((&from, &time)) = track.values[0].first().zip(track.time.first()) else { return };
-        let first = *self.first.get_or_insert(from);
-        if self.times.is_empty() {
-            self.times.push(start + time);
-        }
-        for k in 0..track.time.len() - 1 {
-            let turned = |k: usize| (track.values[0][k] - first).abs() / TAU;
-            let next = self.times.len() as f64;
-            if turned(k) < next && turned(k + 1) >= next {
-                self.times.push(start + instant(track, k, |angle| (angle - first).abs() / TAU - next));
-            }
-        }
-    }
-
-    /// Period of the settled motion [s], from four instants on.
-    fn period(&self) -> Option<f64> {
-        let [.., a, b, c, d] = self.times[..] else { return None };
-        let taus = [b - a, c - b, d - c];
-        let (before, change) = (taus[1] - taus[0], taus[2] - taus[1]);
-        let ratio = change / before;
-        let rest = if ratio.abs() < 1.0 { change * ratio / (1.0 - ratio) } else { 0.0 };
-        Some(taus[2] + rest)
-    }
+/// Period of the settled motion with these instants [s], from four on.
+fn settled_period(times: &[f64]) -> Option<f64> {
+    let [.., a, b, c, d] = times[..] else { return None };
+    let taus = [b - a, c - b, d - c];
+    let (before, change) = (taus[1] - taus[0], taus[2] - taus[1]);
+    let ratio = change / before;
+    let rest = if ratio.abs() < 1.0 { change * ratio / (1.0 - ratio) } else { 0.0 };
+    Some(taus[2] + rest)
 }
 
 /// Time in interval `k` of the track at which `off` of the angle passes zero from below [s].
@@ -136,7 +126,7 @@ mod tests {
     fn turns_of_a_speed_that_settles_have_the_settled_period() {
         // omega = 10 + 2 exp(-t), the angle its integral, in cycles of 0.4 s.
         let angle = |t: f64| 10.0 * t + 2.0 * (1.0 - (-t).exp());
-        let mut turns = Turns::default();
+        let (mut first, mut times) = (None, vec![]);
         let mut period = None;
         for cycle in 0..60 {
             let mut track = BodyTrack::default();
@@ -145,12 +135,12 @@ mod tests {
                 let t = 0.4 * f64::from(cycle) + local;
                 track.push(local, [angle(t), 10.0 + 2.0 * (-t).exp(), -2.0 * (-t).exp()]);
             }
-            turns.add(0.4 * f64::from(cycle), &track);
-            period = turns.period();
+            add_turns(&mut first, &mut times, 0.4 * f64::from(cycle), &track);
+            period = settled_period(&times);
         }
         let settled = TAU / 10.0;
         assert!((period.expect("turned") / settled - 1.0).abs() < 1e-9, "{period:?}");
-        assert_eq!(turns.times.len(), 39);
-        assert!((angle(turns.times[1]) / TAU - 1.0).abs() < 1e-6, "{}", turns.times[1]);
+        assert_eq!(times.len(), 39);
+        assert!((angle(times[1]) / TAU - 1.0).abs() < 1e-6, "{}", times[1]);
     }
 }

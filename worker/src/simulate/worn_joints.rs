@@ -77,18 +77,12 @@ impl Run<'_> {
             let found = FreeRegion::new(bore, surface.journal_radius - lost, 0.0)
                 .narrow_grooves(LEAST_OPEN * surface.clearance)
                 .into_iter()
-                .max_by(|a, b| a.open.total_cmp(&b.open));
-            let Some(found) = found else { continue };
+                .max_by(|a, b| a[2].total_cmp(&b[2]));
+            let Some([angle, width, open]) = found else { continue };
             let name = &self.scene.joints[joint.scene_joint].name;
-            let now = |since| NarrowGroove {
-                joint: name.clone(),
-                since,
-                angle: found.angle,
-                width: found.width,
-                open: found.open,
-            };
+            let now = |since| NarrowGroove { joint: name.clone(), since, angle, width, open };
             match self.grooves.iter_mut().find(|known| known.joint == *name) {
-                Some(known) if found.open > known.open => *known = now(known.since),
+                Some(known) if open > known.open => *known = now(known.since),
                 Some(_) => {}
                 None => self.grooves.push(now(life)),
             }

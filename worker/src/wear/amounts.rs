@@ -29,19 +29,11 @@ pub enum SurfaceSizes {
     Rail(RailLayout),
 }
 
-/// Depths at a mark within a block `(points,)` [m].
-#[derive(Debug, Clone, Copy)]
-pub struct MarkedDepths<'d> {
-    /// The depths, none of them outside those at the ends of its sub-step.
-    pub depth: &'d [f64],
-    /// The depths as interpolated, which may lie outside those ends: their sum is that of the rates, as the worn volume has to be.
-    pub free: &'d [f64],
-}
-
 impl SurfaceSizes {
-    /// Amounts at a mark within a block.
-    pub(crate) fn amounts_at(&self, marked: &MarkedDepths) -> WornAmounts {
-        WornAmounts { volume: self.amounts(marked.free).volume, ..self.amounts(marked.depth) }
+    /// Amounts at a mark within a block: of the depths, none of them outside those at the ends of its sub-step, and as interpolated `(points,)`
+    /// [m]. These may lie outside those ends: their sum is that of the rates, as the worn volume has to be.
+    pub(crate) fn amounts_at(&self, [depth, free]: [&[f64]; 2]) -> WornAmounts {
+        WornAmounts { volume: self.amounts(free).volume, ..self.amounts(depth) }
     }
 
     /// Amounts of the depths `depth` `(depths,)` [m].

@@ -141,12 +141,12 @@ pub enum WearHistory {
     Rail(RailHistory),
 }
 
-/// Evaluates an expression with the history inside.
-macro_rules! with_history {
-    ($history:expr, $bound:ident => $value:expr) => {
-        match $history {
-            WearHistory::Bore($bound) => $value,
-            WearHistory::Rail($bound) => $value,
+/// Evaluates an expression with what is inside such an enum.
+macro_rules! with_either {
+    ($of:ident, $either:expr, $bound:ident => $value:expr) => {
+        match $either {
+            $of::Bore($bound) => $value,
+            $of::Rail($bound) => $value,
         }
     };
 }
@@ -178,12 +178,12 @@ impl WearHistory {
 
     /// Removes all samples, for a new cycle.
     pub(crate) fn clear(&mut self) {
-        with_history!(self, history => history.clear());
+        with_either!(WearHistory, self, history => history.clear());
     }
 
     /// Ends the current interval; to be called at the end of the cycle.
     pub(crate) fn close_interval(&mut self) {
-        with_history!(self, history => history.close_interval());
+        with_either!(WearHistory, self, history => history.close_interval());
     }
 
     /// Appends the samples of a further cycle of the same joint.
@@ -211,12 +211,12 @@ impl WearHistory {
 
     /// Multiplies the work of every contact by `factor` [1].
     pub(crate) fn scale_work(&mut self, factor: f64) {
-        with_history!(self, history => history.samples.iter_mut().for_each(|sample| sample.work *= factor));
+        with_either!(WearHistory, self, history => history.samples.iter_mut().for_each(|sample| sample.work *= factor));
     }
 
     /// Work of all contacts [N m].
     pub(crate) fn work(&self) -> f64 {
-        with_history!(self, history => history.samples.iter().map(|sample| sample.work).sum())
+        with_either!(WearHistory, self, history => history.samples.iter().map(|sample| sample.work).sum())
     }
 }
 
@@ -241,22 +241,14 @@ impl WearLaw for WearRate {
     }
 
     fn release(&mut self) {
-        if let WearRate::Bore(rate) = self {
-            rate.release();
-        }
+        with_either!(WearRate, self, rate => rate.release());
     }
 
     fn sizes(&self) -> SurfaceSizes {
-        match self {
-            WearRate::Bore(rate) => rate.sizes(),
-            WearRate::Rail(rate) => rate.sizes(),
-        }
+        with_either!(WearRate, self, rate => rate.sizes())
     }
 
     fn rate(&mut self, depth: &[f64], rates: &mut [f64]) -> Result<(), NoEquilibrium> {
-        match self {
-            WearRate::Bore(rate) => rate.rate(depth, rates),
-            WearRate::Rail(rate) => rate.rate(depth, rates),
-        }
+        with_either!(WearRate, self, rate => rate.rate(depth, rates))
     }
 }

@@ -41,19 +41,6 @@ const TURN: f64 = 0.35;
 const NARROW: f64 = 0.05;
 const WIDE: f64 = 0.5;
 
-/// What decides about the group of a sample.
-#[derive(Debug, Clone, Copy)]
-pub struct Touched {
-    /// Penetration on a round bore [m].
-    pub penetration: f64,
-    /// Half angle of the contact arc on the worn surfaces; `None`: that on a round bore counts [rad].
-    pub half_arc: Option<f64>,
-    /// Direction of the contact, of any length `(2,)`.
-    pub direction: [f64; 2],
-    /// Angle of a journal that wears from the bushing; `None` of a round one [rad].
-    pub turn: Option<f64>,
-}
-
 /// Levels of penetration and half angle, sectors of the bore and of the journal.
 type SampleGroup = (i32, i32, u32, u32);
 
@@ -74,33 +61,43 @@ impl Condenser {
         Condenser { clearance, spacing: TAU / points as f64, order: Vec::new() }
     }
 
-    /// Group of a contact, with a half angle of at least that on a round bore.
-    fn group(&self, of: Touched) -> SampleGroup {
-        let level = (libm::log(of.penetration) / libm::log(LEVEL)).floor();
+    /// Group of a contact in the `direction` `(2,)`, of any length, with its `penetration` on a round bore [m]. Its half angle is that on the worn
+    /// surfaces [rad], at least that on a round bore; `None`: that on a round bore. `turn_of_journal` is the angle of a journal that wears from the
+    /// bushing [rad].
+    fn group(
+        &self,
+        direction: [f64; 2],
+        (penetration, half_angle): (f64, Option<f64>),
+        turn_of_journal: Option<f64>,
+    ) -> SampleGroup {
+        let level = (libm::log(penetration) / libm::log(LEVEL)).floor();
         let round = (2.0 * libm::pow(LEVEL, level) / self.clearance).sqrt();
         // Of contacts with a known half angle those of one width share the sectors.
-        let arc_level = match of.half_arc {
+        let arc_level = match half_angle {
             Some(half_arc) => (libm::log(half_arc.max(round)) / libm::log(WIDTH)).floor(),
             None => 0.0,
         };
-        let half_arc = if of.half_arc.is_some() { libm::pow(WIDTH, arc_level) } else { round };
+        let half_arc = if half_angle.is_some() { libm::pow(WIDTH, arc_level) } else { round };
         let width = (TURN * half_arc).clamp(NARROW * self.spacing, WIDE * self.spacing);
-        let turn = libm::atan2(of.direction[1], of.direction[0]) / TAU + 0.5;
+        let turn = libm::atan2(direction[1], direction[0]) / TAU + 0.5;
         let sectors = (TAU / width).ceil();
-        let on_journal = of.turn.map_or(0.0, |angle| (turn - angle / TAU).rem_euclid(1.0));
+        let on_journal = turn_of_journal.map_or(0.0, |angle| (turn - angle / TAU).rem_euclid(1.0));
         (level as i32, arc_level as i32, (turn * sectors) as u32, (on_journal * sectors) as u32)
     }
 
-    /// The means of the groups of `samples`, whose contacts are `touched`, into `means`.
+    /// The means of the groups of `samples`, whose contacts have the penetration and half angle `touched` under a journal that wears or not, into
+    /// `means`.
     pub(super) fn condense(
         &mut self,
         samples: &[ContactSample],
-        touched: impl Fn(&ContactSample) -> Touched,
+        touched: impl Fn(&ContactSample) -> (f64, Option<f64>),
+        wears: bool,
         means: &mut Vec<ContactSample>,
     ) {
         self.order.clear();
         for (index, sample) in samples.iter().enumerate() {
-            self.order.push((self.group(touched(sample)), index as u32));
+            let turn = wears.then_some(sample.turn);
+            self.order.push((self.group(sample.force, touched(sample), turn), index as u32));
         }
         self.order.sort_unstable();
         means.clear();
@@ -153,13 +150,7 @@ mod tests {
 
     fn condensed(samples: &[ContactSample]) -> Vec<ContactSample> {
         let mut means = vec![];
-        let touched = |s: &ContactSample| Touched {
-            penetration: s.penetration,
-            half_arc: None,
-            direction: s.e,
-            turn: None,
-        };
-        Condenser::new(23.5e-6, 36).condense(samples, touched, &mut means);
+        Condenser::new(23.5e-6, 36).condense(samples, |s| (s.penetration, None), false, &mut means);
         means
     }
 

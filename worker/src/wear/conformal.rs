@@ -11,7 +11,7 @@
 //! Archard (1953), J. Appl. Phys. 24, 981-988, with the pressure of a Winkler foundation
 //! (`contact/foundation.rs`).
 
-use super::condense::{Condenser, Touched};
+use super::condense::Condenser;
 use super::equilibrium::{ElasticSurfaces, Equilibrium, NoEquilibrium, equilibrium};
 use super::interval::ContactSample;
 use super::nodal_loads::{ArcShares, IntervalLoads, NodalLoads};
@@ -67,15 +67,12 @@ impl ConformalContacts {
     pub(crate) fn freeze(&mut self, profile: &Profile, samples: &[ContactSample]) {
         self.law.profile_changed(profile);
         let (law, journal) = (&self.law, self.journal.as_ref());
-        let touched = |s: &ContactSample| Touched {
-            penetration: equivalent_penetration(length(s.force), law.surface.stiffness),
-            half_arc: journal
-                .and_then(|journal| law.with_journal(journal))
-                .map(|law| law.half_arc(s.e, s.turn)),
-            direction: s.force,
-            turn: journal.map(|_| s.turn),
+        let touched = |s: &ContactSample| {
+            let worn = journal.and_then(|journal| law.with_journal(journal));
+            let penetration = equivalent_penetration(length(s.force), law.surface.stiffness);
+            (penetration, worn.map(|law| law.half_arc(s.e, s.turn)))
         };
-        self.condenser.condense(samples, touched, &mut self.samples);
+        self.condenser.condense(samples, touched, journal.is_some(), &mut self.samples);
         for sample in &mut self.samples {
             sample.penetration = match journal.and_then(|journal| law.with_journal(journal)) {
                 None => law.gap_along(sample.e),
@@ -96,24 +93,17 @@ impl ConformalContacts {
         shares: &mut [f64],
     ) -> Result<(), NoEquilibrium> {
         shares.fill(0.0);
-        fused(SharedPressures { contacts: self, profile, of_journal, shares })
+        fused((self, profile, of_journal, shares))
     }
 }
 
-/// Adds the shares of all samples.
-struct SharedPressures<'a> {
-    contacts: &'a mut ConformalContacts,
-    profile: &'a Profile,
-    of_journal: &'a [f64],
-    shares: &'a mut [f64],
-}
-
-impl Vectorised for SharedPressures<'_> {
+/// Adds the shares of all samples, as [`ConformalContacts::shares`] returns them.
+impl Vectorised for (&mut ConformalContacts, &Profile, &[f64], &mut [f64]) {
     type Output = Result<(), NoEquilibrium>;
 
     #[inline(always)]
     fn run(self) -> Self::Output {
-        let SharedPressures { contacts, profile, of_journal, shares } = self;
+        let (contacts, profile, of_journal, shares) = self;
         contacts.law.profile_changed(profile);
         if contacts.journal.is_none() {
             contacts.add_shares(shares)
@@ -130,9 +120,7 @@ impl ConformalContacts {
         let ConformalContacts { law, sums, shares, samples, evaluations, .. } = self;
         sums.tabulate(&law.arc);
         for sample in samples {
-            let Some(Equilibrium { e, evaluations: spent }) = find_equilibrium(law, sample)? else {
-                continue;
-            };
+            let Some((e, spent)) = find_equilibrium(law, sample)? else { continue };
             *evaluations += u64::from(spent);
             sums.shares(&law.arc, e, shares);
             let scale = work_per_pressure(sample, shares.pressed)?;
@@ -155,10 +143,10 @@ impl ConformalContacts {
         for sample in samples {
             let Some(law) = law.with_journal(journal) else { continue };
             let law = (law, sample.turn);
-            let Some(found) = find_equilibrium(&law, sample)? else { continue };
-            *evaluations += u64::from(found.evaluations);
-            let arc = law.0.arc.turned;
-            let pressed = arc.weigh(found.e, sample.turn, parts);
+            let Some((e, spent)) = find_equilibrium(&law, sample)? else { continue };
+            *evaluations += u64::from(spent);
+            let arc = law.0.arc;
+            let pressed = arc.weigh(e, sample.turn, parts);
             fine.add(parts, arc.place(sample.turn), work_per_pressure(sample, pressed)?);
         }
         fine.share_out(to);
@@ -193,7 +181,7 @@ fn find_equilibrium(
     let reach = libm::hypot(sample.e[0], sample.e[1]);
     let follow = if reach > 0.0 { 1.0 + (sample.penetration - law.gap_along(sample.e)) / reach } else { 1.0 };
     let found = equilibrium(law, sample.force, [follow * sample.e[0], follow * sample.e[1]])?;
-    sample.e = found.e;
-    sample.penetration = law.gap_along(found.e);
+    sample.e = found.0;
+    sample.penetration = law.gap_along(found.0);
     Ok(Some(found))
 }

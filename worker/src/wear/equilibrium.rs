@@ -72,7 +72,7 @@ impl ElasticSurfaces for (FoundationWithJournal<'_>, f64) {
     }
     #[inline(always)]
     fn gap_along(&self, e: [f64; 2]) -> f64 {
-        self.0.arc.turned.gap_along(e, self.1)
+        self.0.arc.gap_along(e, self.1)
     }
     #[inline(always)]
     fn load(&self, e: [f64; 2]) -> FoundationLoad {
@@ -80,14 +80,8 @@ impl ElasticSurfaces for (FoundationWithJournal<'_>, f64) {
     }
 }
 
-/// A force in equilibrium with the foundation.
-#[derive(Debug, Clone, Copy)]
-pub struct Equilibrium {
-    /// Eccentricity `(2,)` [m].
-    pub e: [f64; 2],
-    /// Evaluations of the contact that the search took.
-    pub evaluations: u32,
-}
+/// Eccentricity at which a force is in equilibrium with the foundation `(2,)` [m], and the evaluations of the contact that the search took.
+pub type Equilibrium = ([f64; 2], u32);
 
 /// The search found no equilibrium. Holds the remaining force over its bound, or the penetration over its
 /// bound where the force is beyond the law's range.
@@ -130,7 +124,7 @@ pub(super) fn equilibrium(
         if load <= 1.0 {
             return Ok(found);
         }
-        e = found.e;
+        e = found.0;
         load = (LET_OFF * load).max(1.0);
     }
 }
@@ -177,7 +171,7 @@ fn descend(
         let Point { e, load, miss, height } = now;
         let [a, b, d] = load.stiffness;
         if length(miss) <= f64::max(BALANCED * wanted, resolved * (a + d)) {
-            return Ok(Equilibrium { e, evaluations: *spent });
+            return Ok((e, *spent));
         }
         let det = a * d - b * b;
         let step = if length(load.force) < WEAK * wanted || det <= 0.0 {
@@ -186,7 +180,7 @@ fn descend(
             [-(d * miss[0] - b * miss[1]) / det, -(a * miss[1] - b * miss[0]) / det]
         };
         if length(miss) <= NEARLY * wanted && det > 0.0 {
-            return Ok(Equilibrium { e: [e[0] + step[0], e[1] + step[1]], evaluations: *spent });
+            return Ok(([e[0] + step[0], e[1] + step[1]], *spent));
         }
         let slope = dot(miss, step);
         let noise = ROUNDING * (load.energy + dot(force, e).abs());

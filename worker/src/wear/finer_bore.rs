@@ -23,7 +23,7 @@
 //! Comparison with a finer grid, without the extrapolation of Richardson (1911), Phil. Trans. R. Soc. A 210,
 //! 307-357; `stated_wear_errors_of_random_loads` compares with a converged bore.
 
-use super::{MarkedDepths, StepRule, WearLaw, WearStep, WearStepStats, WornAmounts};
+use super::{StepTolerance, WearLaw, WearStep, WearStepStats, WornAmounts};
 
 /// Error over the largest difference [1]: 2 where it halves with the spacing, as at the edge of a scar, 4/3 where the
 /// profile is smooth.
@@ -70,14 +70,11 @@ pub struct FinerBore<L> {
 
 impl<L: WearLaw> FinerBore<L> {
     /// An unworn copy with this many `depths` and this `rate`, of surfaces whose wear steps have this rule.
-    pub(crate) fn new(rate: L, depths: usize, rule: StepRule) -> Self {
-        let rule = match rule {
-            StepRule::Controlled(tolerance) => StepRule::Controlled((TIGHTER * tolerance).max(TIGHTEST)),
-            StepRule::Explicit => StepRule::Explicit,
-        };
+    pub(crate) fn new(rate: L, depths: usize, tolerance: StepTolerance) -> Self {
+        let tolerance = tolerance.map(|tolerance| (TIGHTER * tolerance).max(TIGHTEST));
         FinerBore {
             rate,
-            step: WearStep::new(depths, rule),
+            step: WearStep::new(depths, tolerance),
             depth: vec![0.0; depths],
             behind: 0.0,
             life: 0.0,
@@ -121,7 +118,7 @@ impl<L: WearLaw> FinerBore<L> {
         let early = next_marks.iter().filter(|mark| **mark <= half).map(|mark| behind + mark);
         let marks: Vec<f64> = late.chain([behind]).chain(early).collect();
         let mut copies = vec![sizes.amounts(&self.depth); marks.len()];
-        let to_compare = |mark: usize, depths: &MarkedDepths| copies[mark] = sizes.amounts_at(depths);
+        let to_compare = |mark: usize, depths: [&[f64]; 2]| copies[mark] = sizes.amounts_at(depths);
         let (step, rate) = (&mut self.step, &mut self.rate);
         let advanced = step.advance(rate, &mut self.depth, behind + half, &marks, to_compare, &mut uncounted);
         rate.release();

@@ -105,7 +105,7 @@ impl LocalArcs {
             self.ends.journal_changed(&journal.worn);
         }
         self.unrolled.fill(0.0);
-        in_widest_lanes(Sharing { arcs: self, profile });
+        in_widest_lanes((&mut *self, profile));
         let points = profile.points();
         for (shares, turns) in shares.chunks_mut(points).zip(self.unrolled.chunks(3 * points)) {
             let (first, rest) = turns.split_at(points);
@@ -117,36 +117,32 @@ impl LocalArcs {
     }
 }
 
-/// Adds the shares of all samples on a bore.
-struct Sharing<'a> {
-    arcs: &'a mut LocalArcs,
-    profile: &'a Profile,
-}
-
 /// Samples for which each part of the work is done before the next one: while one waits for a division, another goes on.
 const AT_ONCE: usize = 16;
 
-impl InLanes for Sharing<'_> {
+/// Adds the shares of all samples on a bore.
+impl InLanes for (&mut LocalArcs, &Profile) {
     #[inline(always)]
     fn run<R: Real>(self, like: R) {
-        match (self.arcs.distribution, self.arcs.journal.is_some()) {
-            (WearDistribution::HatShares, false) => self.share::<R, false, false>(like),
-            (WearDistribution::HatShares, true) => self.share::<R, true, false>(like),
-            (WearDistribution::PointsInside, false) => self.share::<R, false, true>(like),
-            (WearDistribution::PointsInside, true) => self.share::<R, true, true>(like),
+        let (arcs, profile) = self;
+        match (arcs.distribution, arcs.journal.is_some()) {
+            (WearDistribution::HatShares, false) => arcs.share::<R, false, false>(profile, like),
+            (WearDistribution::HatShares, true) => arcs.share::<R, true, false>(profile, like),
+            (WearDistribution::PointsInside, false) => arcs.share::<R, false, true>(profile, like),
+            (WearDistribution::PointsInside, true) => arcs.share::<R, true, true>(profile, like),
         }
     }
 }
 
-impl Sharing<'_> {
+impl LocalArcs {
     /// `WORN` if the journal wears, to the points `INSIDE` the arc or by hat functions: compiled for each, since the cases within the loop take a third of the time.
     #[inline(always)]
-    fn share<R: Real, const WORN: bool, const INSIDE: bool>(self, like: R) {
-        let LocalArcs { ends, samples, unrolled, further, journal, .. } = self.arcs;
+    fn share<R: Real, const WORN: bool, const INSIDE: bool>(&mut self, profile: &Profile, like: R) {
+        let LocalArcs { ends, samples, unrolled, further, journal, .. } = self;
         let journal = if WORN { journal.as_ref() } else { None };
-        let (unrolled, of_journal) = unrolled.split_at_mut(3 * self.profile.points());
-        let turn = self.profile.points() as f64;
-        let per_point = self.profile.points() as f64 / ends.intervals() as f64;
+        let (unrolled, of_journal) = unrolled.split_at_mut(3 * profile.points());
+        let turn = profile.points() as f64;
+        let per_point = profile.points() as f64 / ends.intervals() as f64;
         let radius_of_journal = |journal: &Journal, [start, end]: [f64; 2], middle: f64| {
             let worn = |x: f64| journal.worn.turned(x);
             journal.unworn - (worn(start) + 4.0 * middle + worn(end)) / 6.0
@@ -158,10 +154,10 @@ impl Sharing<'_> {
             for ((contact, bore), sample) in contacts.iter_mut().zip(&mut bores).zip(samples) {
                 let Sample { spot, interval, penetration, on_journal, .. } = *sample;
                 let fraction = spot.place * per_point - f64::from(interval);
-                let Radius { r, d1, .. } = self.profile.within(interval as usize, fraction);
+                let Radius { r, d1, .. } = profile.within(interval as usize, fraction);
                 let depth = journal.map(|journal| {
                     let place = on_journal * per_point;
-                    let at = (place as usize).min(self.profile.points() - 1);
+                    let at = (place as usize).min(profile.points() - 1);
                     journal.worn.within(at, place - at as f64)
                 });
                 let (radius, slope) = depth.map_or((r, d1), |depth| (r + depth.r, d1 + depth.d1));
@@ -188,7 +184,7 @@ impl Sharing<'_> {
                     work = density * (before + after);
                     for [from, to] in &*further {
                         let (start, end, between) = (middle + from, middle + to, middle + 0.5 * (from + to));
-                        let at = |x: f64| self.profile.turned(x);
+                        let at = |x: f64| profile.turned(x);
                         let mean = (at(start) + 4.0 * at(between) + at(end)) / 6.0;
                         share_out::<INSIDE>(
                             unrolled,
@@ -217,7 +213,7 @@ impl Sharing<'_> {
             }
             for ((ends, amount), r) in arcs[..samples.len()].iter_mut().zip(&bores) {
                 // Mean radius along the arc, by Simpson's rule over its angle; then work per radius in the place of work.
-                let at = |place: &ArcEnd| self.profile.turned_to(place.point, place.fraction);
+                let at = |place: &ArcEnd| profile.turned_to(place.point, place.fraction);
                 *amount /= (at(&ends[0]) + 4.0 * r + at(&ends[1])) / 6.0;
             }
             for (ends, amount) in &arcs[..samples.len()] {

@@ -14,32 +14,18 @@ mod condense;
 mod conformal;
 mod crossing;
 mod equilibrium;
-#[cfg(test)]
-mod equilibrium_tests;
 mod finer_bore;
 mod interval;
-#[cfg(test)]
-mod journal_tests;
 mod local_arcs;
-#[cfg(test)]
-mod local_arcs_tests;
 mod nodal_loads;
-#[cfg(test)]
-mod published_tests;
 mod rail_equilibrium;
 mod rail_history;
 mod rail_rate;
-#[cfg(test)]
-mod rail_tests;
-#[cfg(test)]
-mod random_load_tests;
 mod step;
 #[cfg(test)]
-mod step_tests;
-#[cfg(test)]
-mod volume_tests;
+mod tests;
 
-pub(crate) use amounts::{MarkedDepths, WearLaw, WornAmounts, wear_output};
+pub(crate) use amounts::{WearLaw, WornAmounts, wear_output};
 pub(crate) use archard::{BoreWearRate, WearHistory, WearRate};
 pub(crate) use condense::mean_contact_arc;
 pub(crate) use equilibrium::NoEquilibrium;
@@ -47,4 +33,4 @@ pub(crate) use finer_bore::FinerBore;
 pub(crate) use interval::{ContactHistory, ContactInstant, ContactSample, Interval};
 pub(crate) use rail_history::{RailHistory, RailInstant};
 pub(crate) use rail_rate::RailWearRate;
-pub(crate) use step::{StepRule, WearStep, WearStepFailed, WearStepStats};
+pub(crate) use step::{StepTolerance, WearStep, WearStepFailed, WearStepStats, step_tolerance};

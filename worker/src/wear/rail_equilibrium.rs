@@ -49,15 +49,9 @@ pub struct RailGaps {
 /// Offset a and tilt times half the length, b l / 2 `(2,)` [m].
 pub type SliderPose = [f64; 2];
 
-/// Force, and moment over half the length, of the foundation at one pose, with their derivatives.
-struct Carried {
-    /// Force F and moment over half the length `(2,)` [N].
-    load: [f64; 2],
-    /// To a and a, a and b l / 2, b l / 2 and b l / 2 [N/m].
-    slopes: [f64; 3],
-    /// Sum of the normal forces on both faces [N].
-    normal: f64,
-}
+/// Force F, and moment over half the length, of the foundation at one pose `(2,)` [N], their derivatives to a and a, a and b l / 2, b l / 2 and b l / 2 [N/m], and
+/// the sum of the normal forces on both faces [N].
+type Carried = ([f64; 2], [f64; 3], f64);
 
 impl RailGaps {
     /// A slider with no gap on either side, the face of which has the `stiffness` [N/m].
@@ -74,7 +68,7 @@ impl RailGaps {
     fn at(&mut self, pose: SliderPose) -> Carried {
         let RailLayout { elements, .. } = self.layout;
         let unit = self.stiffness / (12 * elements) as f64;
-        let mut carried = Carried { load: [0.0; 2], slopes: [0.0; 3], normal: 0.0 };
+        let (mut load, mut slopes, mut normal) = ([0.0; 2], [0.0; 3], 0.0);
         let per_element = 1.0 / elements as f64;
         for (face, sign) in [(0, 1.0), (1, -1.0)] {
             let place = |node: usize| node as f64 * per_element - 1.0;
@@ -92,19 +86,19 @@ impl RailGaps {
                 for i in 0..2 {
                     let x = place(k + i);
                     force[k + i] += element.force[i];
-                    carried.normal += element.force[i];
-                    carried.load[0] += sign * element.force[i];
-                    carried.load[1] += sign * x * element.force[i];
+                    normal += element.force[i];
+                    load[0] += sign * element.force[i];
+                    load[1] += sign * x * element.force[i];
                     for j in 0..2 {
                         let (second, y) = (element.to_overlap[i][j], place(k + j));
-                        carried.slopes[0] += second;
-                        carried.slopes[1] += second * y;
-                        carried.slopes[2] += second * x * y;
+                        slopes[0] += second;
+                        slopes[1] += second * y;
+                        slopes[2] += second * x * y;
                     }
                 }
             }
         }
-        carried
+        (load, slopes, normal)
     }
 
     /// The equilibrium of the force `load[0]` and the moment `load[1]` times half the slider's length [N], sought from `start`: where the slider is, and the load that is
@@ -127,7 +121,7 @@ impl RailGaps {
         let (mut pose, mut now) = (start, self.at(start));
         let mut residual = f64::INFINITY;
         for _ in 0..STEPS {
-            let left = [load[0] - now.load[0], load[1] - now.load[1]];
+            let left = [load[0] - now.0[0], load[1] - now.0[1]];
             residual = left[0].abs().max(left[1].abs()) / size;
             if residual <= BALANCED {
                 return Ok((pose, heavier));
@@ -142,12 +136,12 @@ impl RailGaps {
         &mut self,
         load: [f64; 2],
         size: f64,
-        (from, now): (SliderPose, &Carried),
+        (from, (_, slopes, normal)): (SliderPose, &Carried),
         left: [f64; 2],
     ) -> (SliderPose, Carried) {
-        let is_weak = now.normal < WEAK * size;
+        let is_weak = *normal < WEAK * size;
         let ridge = if is_weak { self.stiffness } else { 1e-12 * self.stiffness };
-        let [aa, ab, bb] = [now.slopes[0] + ridge, now.slopes[1], now.slopes[2] + ridge];
+        let [aa, ab, bb] = [slopes[0] + ridge, slopes[1], slopes[2] + ridge];
         let per_determinant = 1.0 / (aa * bb - ab * ab);
         let direction = [
             (bb * left[0] - ab * left[1]) * per_determinant,
@@ -160,7 +154,7 @@ impl RailGaps {
         loop {
             let pose = [from[0] + length * direction[0], from[1] + length * direction[1]];
             let carried = self.at(pose);
-            let slope = slope_to([load[0] - carried.load[0], load[1] - carried.load[1]]);
+            let slope = slope_to([load[0] - carried.0[0], load[1] - carried.0[1]]);
             tried += 1;
             if slope.abs() <= DESCENT * first || tried == ALONG {
                 return (pose, carried);

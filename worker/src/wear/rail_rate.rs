@@ -75,7 +75,7 @@ impl RailWearRate {
         let layout = self.faces.layout;
         for (face, gaps) in self.gaps.gap.iter_mut().enumerate() {
             for (node, gap) in gaps.iter_mut().enumerate() {
-                let of_guide = self.faces.guide_depth(face, s + layout.node(node)).w;
+                let of_guide = self.faces.guide_depth(face, s + layout.node(node))[0];
                 *gap = self.clearance + of_guide + self.faces.slider[face][node];
             }
         }

@@ -16,28 +16,18 @@
 //! 315-326; van der Houwen, Sommeijer (1980), ZAMM 60, 479-485. Blocks of cycles under a frozen history: Cui
 //! et al. as cited in `archard.rs`.
 
-use super::{MarkedDepths, NoEquilibrium, WearLaw};
+use super::{NoEquilibrium, WearLaw};
 use crate::extremum::largest;
 use crate::interpolate::Cubic;
 use common::scene::{BlockStep, WearModel};
 
-/// How a wear step advances over a block.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum StepRule {
-    /// By sub-steps whose errors stay within this share of the largest wear that they add [1].
-    Controlled(f64),
-    /// By one explicit Euler step.
-    Explicit,
-}
+/// How a wear step advances over a block: by sub-steps whose errors stay within this share of the largest wear that they add [1], or without one by
+/// one explicit Euler step.
+pub type StepTolerance = Option<f64>;
 
-impl StepRule {
-    /// The rule of a wear model, whose controlled steps have this relative `tolerance` [1].
-    pub(crate) fn new(model: &WearModel, tolerance: f64) -> Self {
-        match model.explicit_step {
-            BlockStep::Controlled => StepRule::Controlled(tolerance),
-            BlockStep::Explicit(_) => StepRule::Explicit,
-        }
-    }
+/// The step of a wear model, whose controlled steps have this relative `tolerance` [1].
+pub(crate) fn step_tolerance(model: &WearModel, tolerance: f64) -> StepTolerance {
+    (model.explicit_step == BlockStep::Controlled).then_some(tolerance)
 }
 
 /// Work counters of one or more wear steps.
@@ -69,17 +59,11 @@ impl From<NoEquilibrium> for WearStepFailed {
     }
 }
 
-/// A refused sub-step: the smaller one to try next [cycle], and the error relative to its bound.
-struct Refused {
-    smaller: f64,
-    error: f64,
-}
-
 /// Scratch and state of the wear step of one joint; all vectors `(points,)`.
 #[derive(Debug, Clone)]
 pub struct WearStep {
     /// How it advances; of controlled sub-steps the sum of the errors is bounded, relative to the largest wear they add.
-    rule: StepRule,
+    tolerance: StepTolerance,
     /// Direction of the stiffest mode found so far.
     stiffest: Vec<f64>,
     /// Steps of the power method towards it in the next block.
@@ -108,10 +92,10 @@ impl WearStep {
     pub(crate) const MOST_EVALUATIONS: u64 = 2000;
 
     /// A wear step for `points` control points by a rule, or with control of the errors within a relative tolerance [1].
-    pub(crate) fn new(points: usize, rule: StepRule) -> Self {
+    pub(crate) fn new(points: usize, tolerance: StepTolerance) -> Self {
         let zero = vec![0.0; points];
         WearStep {
-            rule,
+            tolerance,
             stiffest: (0..points).map(|i| if i % 2 == 0 { 1.0 } else { -1.0 }).collect(),
             power_steps: 2,
             f0: zero.clone(),
@@ -133,12 +117,11 @@ impl WearStep {
         depth: &mut [f64],
         cycles: f64,
         marks: &[f64],
-        mut mark: impl FnMut(usize, &MarkedDepths),
+        mut mark: impl FnMut(usize, [&[f64]; 2]),
         stats: &mut WearStepStats,
     ) -> Result<(), WearStepFailed> {
-        let tolerance = match self.rule {
-            StepRule::Controlled(tolerance) => tolerance,
-            StepRule::Explicit => return self.euler(rate, depth, cycles, marks, mark, stats),
+        let Some(tolerance) = self.tolerance else {
+            return self.euler(rate, depth, cycles, marks, mark, stats);
         };
         let sizes = rate.sizes();
         let most = stats.stages + Self::MOST_EVALUATIONS;
@@ -157,7 +140,7 @@ impl WearStep {
             step = step.min(cycles - done);
             let relative = match self.attempt(rate, depth, (step, tolerance), radius, &mut credit, stats) {
                 Ok(relative) => relative,
-                Err(Refused { smaller, error }) => {
+                Err([smaller, error]) => {
                     stats.rejected += 1;
                     if step <= smallest {
                         return Err(WearStepFailed::Tolerance(error.min(f64::MAX)));
@@ -173,12 +156,12 @@ impl WearStep {
             let last = if step == cycles - done { cycles } else { done + step };
             while marked < marks.len() && marks[marked] <= last {
                 if marks[marked] == last {
-                    mark(marked, &MarkedDepths { depth: &self.end, free: &self.end });
+                    mark(marked, [&self.end, &self.end]);
                 } else {
                     let free = self.between(depth, (marks[marked] - done) / step, step);
                     let ends = depth.iter().zip(&self.end);
                     let kept = free.iter().zip(ends).map(|(h, (y0, y1))| h.clamp(*y0, y1.max(*y0)));
-                    mark(marked, &MarkedDepths { depth: &kept.collect::<Vec<f64>>(), free: &free });
+                    mark(marked, [&kept.collect::<Vec<f64>>(), &free]);
                 }
                 marked += 1;
             }
@@ -199,7 +182,7 @@ impl WearStep {
         depth: &mut [f64],
         cycles: f64,
         marks: &[f64],
-        mut mark: impl FnMut(usize, &MarkedDepths),
+        mut mark: impl FnMut(usize, [&[f64]; 2]),
         stats: &mut WearStepStats,
     ) -> Result<(), WearStepFailed> {
         rate.rate(depth, &mut self.f0)?;
@@ -210,7 +193,7 @@ impl WearStep {
         };
         for (k, after) in marks.iter().enumerate() {
             worn(*after, &mut self.end);
-            mark(k, &MarkedDepths { depth: &self.end, free: &self.end });
+            mark(k, [&self.end, &self.end]);
         }
         worn(cycles, &mut self.end);
         if let Some(depths) = rate.sizes().too_deep(&self.end) {
@@ -231,22 +214,22 @@ impl WearStep {
         radius: f64,
         credit: &mut f64,
         stats: &mut WearStepStats,
-    ) -> Result<f64, Refused> {
+    ) -> Result<f64, [f64; 2]> {
         let stages = ((1.0 + 1.54 * step * radius).sqrt().ceil() as usize + 1).max(2);
         if stages > MOST_STAGES {
-            return Err(Refused { smaller: step * 0.5, error: f64::INFINITY });
+            return Err([step * 0.5, f64::INFINITY]);
         }
         stats.stages += stages as u64;
         let made = chebyshev(rate, depth, &self.f0, step, stages, &mut self.end);
         if let Err(NoEquilibrium(excess)) = made.and_then(|()| rate.rate(&self.end, &mut self.f1)) {
-            return Err(Refused { smaller: step * 0.5, error: excess });
+            return Err([step * 0.5, excess]);
         }
         let (error, added) = self.error(depth, step);
         let share = tolerance * added;
         let relative = if added > 0.0 { error / share } else { 0.0 };
         if error > share + SPENDABLE * *credit {
             let smaller = step * (0.8 / libm::cbrt(relative)).clamp(0.1, 0.5);
-            return Err(Refused { smaller, error: relative });
+            return Err([smaller, relative]);
         }
         *credit += share - error;
         Ok(relative)

@@ -4,9 +4,8 @@
 //! Each kind of load has its equation at its type; `island_loads!` below lists the kinds. Generalised forces
 //! `(6,)` are (F_x, F_y, M) [N, N, N m] on the first frame, then on the second.
 
-mod actuators;
-mod drag;
 mod force;
+mod one_frame;
 mod springs;
 mod stops;
 
@@ -15,10 +14,9 @@ pub use force::{LoadForce, NO_FRAME};
 use super::frame::Frame;
 use super::island_frames::IslandFrames;
 use crate::lanes::{Lanewise, Real};
-use actuators::{BodyTorque, Motor, PointForce};
-use common::scene::{Curve, Load};
-use drag::{Drag, RotationalDrag};
+use common::scene::{Curve, Load, Motion, Scene};
 use force::Size;
+use one_frame::{BodyTorque, Drag, Motor, PointForce, RotationalDrag};
 use springs::{DirectionalSpring, Spring, TorsionSpring};
 use stops::{AngleStop, LineStop};
 
@@ -167,4 +165,27 @@ impl IslandLoad {
 /// The factor of a drag, one without a curve.
 fn size_or_one(factor: Option<&Curve>, frames: &mut IslandFrames) -> Size {
     factor.map_or(Size::Constant(1.0), |factor| Size::new(factor, frames))
+}
+
+/// Moment of the loads on the prescribed `body` of a scene that act on no free body, about its axis at a time [s] [N m].
+pub(crate) fn external_moment(scene: &Scene, body: usize) -> impl Fn(f64) -> f64 {
+    let mut frames = IslandFrames::new(scene, vec![]);
+    let own = frames.frame(body);
+    let is_prescribed = |b: &usize| !matches!(scene.bodies[*b].motion, Motion::Free { .. });
+    let acts = |load: &&Load| load.bodies().contains(&body) && load.bodies().iter().all(is_prescribed);
+    let loads: Vec<IslandLoad> =
+        scene.loads.iter().filter(acts).map(|load| IslandLoad::new(load, &mut frames)).collect();
+    let prescribed = frames.prescribed();
+    move |t| {
+        if loads.is_empty() {
+            return 0.0;
+        }
+        let frames: Vec<Frame> = prescribed.iter().map(|p| p.frame(t)).collect();
+        let on_body = |load: &IslandLoad| -> f64 {
+            let force = load.force(t, &frames);
+            let sides = force.frames.iter().enumerate().filter(|&(_, &frame)| frame == own);
+            sides.map(|(side, _)| force.f[3 * side + 2]).sum()
+        };
+        loads.iter().map(on_body).sum()
+    }
 }

@@ -72,37 +72,21 @@ impl<R: Real> Spring<R> {
         let Spring { ref ends, stiffness, damping, free_length } = *self;
         on_line(ends, frames, |l, rate| {
             let extension = l - free_length;
-            LinePull {
-                pull: stiffness * extension + damping * rate,
-                per_length: stiffness,
-                per_rate: damping,
-                stored: stiffness * extension * extension * 0.5,
-                lost: damping * rate * rate,
-            }
+            let (pull, stored) =
+                (stiffness * extension + damping * rate, stiffness * extension * extension * 0.5);
+            [pull, stiffness, damping, stored, damping * rate * rate]
         })
     }
 }
 
-/// Pull along the line between two points.
-pub(super) struct LinePull<R> {
-    /// The pull [N].
-    pub pull: R,
-    /// Its derivatives to the length of the line [N/m] and to the rate of the length [N s/m].
-    pub per_length: R,
-    pub per_rate: R,
-    /// Stored energy [J].
-    pub stored: R,
-    /// Dissipated power [W].
-    pub lost: R,
-}
-
-/// Load of the pull that `law` states of the length of the line between two points [m] and its rate [m/s]. No force where the points coincide,
+/// Load of the pull that `law` states of the length of the line between two points [m] and its rate [m/s]: the pull [N], its derivatives to both
+/// [N/m, N s/m], the stored energy [J] and the dissipated power [W]. No force where the points coincide,
 /// which leaves the line without direction.
 #[inline(always)]
 pub(super) fn on_line<R: Real>(
     ends: &[End<R>; 2],
     frames: &[Frame<R>],
-    law: impl Fn(R, R) -> LinePull<R>,
+    law: impl Fn(R, R) -> [R; 5],
 ) -> LoadForce<R> {
     let (fa, fb) = (frames[ends[0].frame], frames[ends[1].frame]);
     let (a, b) = (fa.turn(ends[0].arm), fb.turn(ends[1].arm));
@@ -116,7 +100,7 @@ pub(super) fn on_line<R: Real>(
     let l = R::select(has_line, l, one);
     let u = [e[0] / l, e[1] / l];
     let rate = dot(u, w);
-    let LinePull { pull, per_length, per_rate, stored, lost } = law(l, rate);
+    let [pull, per_length, per_rate, stored, lost] = law(l, rate);
     let where_line = |x: R| R::select(has_line, x, nothing);
     let (pull, per_length, per_rate) = (where_line(pull), where_line(per_length), where_line(per_rate));
     (load.stored, load.lost) = (where_line(stored), where_line(lost));

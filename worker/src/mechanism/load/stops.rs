@@ -11,7 +11,7 @@
 //! Hunt, Crossley (1975), J. Appl. Mech. 42, 440-445, with the exponent 1.
 
 use super::force::LoadForce;
-use super::springs::{LinePull, on_line};
+use super::springs::on_line;
 use crate::lanes::{Real, lanewise};
 use crate::mechanism::frame::{End, Frame};
 
@@ -58,7 +58,7 @@ impl<R: Real> LineStop<R> {
             let (depth, approach) = (side * (l - length), side * rate);
             let [force, per_length, per_rate] = contact(stiffness, dissipation, depth, approach);
             let [stored, lost] = energy(stiffness, depth, approach, force);
-            LinePull { pull: side * force, per_length, per_rate, stored, lost }
+            [side * force, per_length, per_rate, stored, lost]
         })
     }
 }

@@ -111,14 +111,8 @@ pub(crate) async fn join<'f, T, F: Future<Output = T> + 'f>(stages: impl IntoIte
 /// The lane groups of one thread.
 pub struct LanePool {
     width: LaneWidth,
-    groups: Vec<OpenGroup>,
-}
-
-/// A group of the pool.
-struct OpenGroup {
-    group: Box<dyn Group>,
-    /// Number of times another group was run since this one was.
-    passed_over: usize,
+    /// Each with the number of times that another one was run since it was.
+    groups: Vec<(Box<dyn Group>, usize)>,
 }
 
 impl LanePool {
@@ -129,7 +123,7 @@ impl LanePool {
         if alone > 0 {
             return alone;
         }
-        let Some(OpenGroup { group, .. }) = next_group(&mut self.groups) else { return 0 };
+        let Some(group) = next_group(&mut self.groups) else { return 0 };
         let charged = group.cpu_times();
         let begun = Instant::now();
         let ended = group.run();
@@ -148,21 +142,18 @@ impl LanePool {
         }
         if self.width == LaneWidth::Fitting {
             // The next group may have to be wider.
-            self.groups.retain(|open| open.group.occupied() > 0);
+            self.groups.retain(|(group, _)| group.occupied() > 0);
         }
-        self.groups.iter_mut().for_each(|open| open.group.fill(queue));
+        self.groups.iter_mut().for_each(|(group, _)| group.fill(queue));
         while let Some(first) = queue.take(|_| true) {
-            let waiting = 1 + queue.count(|span| same_topology(&first.span.state.island, &span.state.island));
+            let waiting = 1 + queue.count(|span| same_topology(&first.state.island, &span.state.island));
             // Empty groups of other topologies make room.
-            self.groups.retain(|open| open.group.occupied() > 0);
-            match self.width.for_waiting(waiting).vectors() {
-                Some(vectors) => self.groups.push(OpenGroup { group: vectors.open(first), passed_over: 0 }),
-                None => {
-                    integrate_alone(first);
-                    alone += 1;
-                }
+            self.groups.retain(|(group, _)| group.occupied() > 0);
+            match self.width.open((waiting, first), integrate_alone) {
+                Some(group) => self.groups.push((group, 0)),
+                None => alone += 1,
             }
-            self.groups.iter_mut().for_each(|open| open.group.fill(queue));
+            self.groups.iter_mut().for_each(|(group, _)| group.fill(queue));
         }
         alone
     }
@@ -170,16 +161,17 @@ impl LanePool {
 
 /// Integrates an island by itself, on the account of its evaluation.
 fn integrate_alone(pending: PendingSpan) {
-    let (cpu_time, begun, start) = (Rc::clone(&pending.cpu_time), Instant::now(), pending.span.time.start);
+    let (cpu_time, begun, start) = (Rc::clone(&pending.cpu_time), Instant::now(), pending.time.start);
     pending.integrate_alone(start, StepCounts::default());
     cpu_time.set(cpu_time.get() + begun.elapsed());
 }
 
 /// The group to run next: the fullest, where every time a group was passed over counts as an occupant.
-fn next_group(groups: &mut [OpenGroup]) -> Option<&mut OpenGroup> {
-    let mut occupied: Vec<_> = groups.iter_mut().filter(|open| open.group.occupied() > 0).collect();
-    occupied.iter_mut().for_each(|open| open.passed_over += 1);
-    let next = occupied.into_iter().max_by_key(|open| open.group.occupied() + open.passed_over)?;
-    next.passed_over = 0;
-    Some(next)
+fn next_group(groups: &mut [(Box<dyn Group>, usize)]) -> Option<&mut dyn Group> {
+    let mut occupied: Vec<_> = groups.iter_mut().filter(|(group, _)| group.occupied() > 0).collect();
+    occupied.iter_mut().for_each(|(_, passed_over)| *passed_over += 1);
+    let (group, passed_over) =
+        occupied.into_iter().max_by_key(|(group, passed_over)| group.occupied() + passed_over)?;
+    *passed_over = 0;
+    Some(&mut **group)
 }

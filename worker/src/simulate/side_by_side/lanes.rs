@@ -43,20 +43,18 @@ pub(super) struct LaneGroup<S: Simd> {
 }
 
 /// Rounds until a lane stops, compiled for the instruction set of the lanes.
-struct Rounds<'a, S: Simd>(&'a mut LaneGroup<S>);
-
-impl<S: Simd> Vectorised for Rounds<'_, S> {
+impl<S: Simd> Vectorised for &mut LaneGroup<S> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let group = self.0;
+        let group = self;
         loop {
             let LaneGroup { island_lanes, stepper, contacts, occupants, .. } = group;
             stepper.try_steps(island_lanes);
             contacts.record(stepper.progress.time, &stepper.at, &mut |joint, lane, sample| {
                 if let Some(pending) = &mut occupants[lane] {
-                    let history = pending.span.state.recorder.histories[joint].bore_mut();
+                    let history = pending.state.recorder.histories[joint].bore_mut();
                     history.into_iter().for_each(|history| history.samples.push(sample));
                 }
             });
@@ -99,7 +97,7 @@ impl<S: Simd> Group for LaneGroup<S> {
     }
 
     fn run(&mut self) -> usize {
-        run_in(self.simd, Rounds(self));
+        run_in(self.simd, &mut *self);
         self.take_stopped()
     }
 }
@@ -107,7 +105,7 @@ impl<S: Simd> Group for LaneGroup<S> {
 impl<S: Simd> LaneGroup<S> {
     /// A group with its first island; idle lanes compute steps from the same state.
     pub(super) fn new(simd: S, first: PendingSpan) -> Self {
-        let state = &first.span.state;
+        let state = &first.state;
         let (topology, like) = (state.island.clone(), Lanes::all(simd, 0.0));
         let island_lanes = IslandLanes::new(&topology, like);
         let stepper = LaneStepper::new(like, island_lanes.linearised(), state.stepper.control.largest);
@@ -132,18 +130,18 @@ impl<S: Simd> LaneGroup<S> {
     }
 
     fn load(&mut self, lane: usize, pending: PendingSpan) {
-        let state = &pending.span.state;
+        let state = &pending.state;
         self.island_lanes.set(lane, &state.island);
         self.stepper.load_state(lane, &state.q, &state.v);
-        if pending.span.record {
-            self.contacts.load(lane, &state.recorder, pending.span.time.start);
+        if pending.record {
+            self.contacts.load(lane, &state.recorder, pending.time.start);
             if state.recorder.needs_joint_forces() {
                 self.watched.push(lane);
             } else {
                 self.motion.set_recorded(lane, true);
             }
         }
-        self.stepper.start(lane, pending.span.time.clone(), state.stepper.control);
+        self.stepper.start(lane, pending.time.clone(), state.stepper.control);
         self.occupants[lane] = Some(pending);
     }
 
@@ -154,7 +152,7 @@ impl<S: Simd> LaneGroup<S> {
             let Some(outcome) = self.stepper.outcome(lane, self.deepest(lane)) else { continue };
             let result = outcome.map_err(|error| self.attribute_failure(lane, error));
             if let Some((pending, progress)) = self.unload(lane, result.is_ok()) {
-                let island = &pending.span.state.island;
+                let island = &pending.state.island;
                 match result {
                     Err(IntegrationError::Singular(time)) => pending.integrate_alone(time, progress.counts()),
                     // It may lock itself, which only one island by itself finds out.
@@ -171,7 +169,7 @@ impl<S: Simd> LaneGroup<S> {
 
     /// Largest penetration of every joint of a lane in the range of its contact law `(joints,)` [m].
     fn deepest(&self, lane: usize) -> impl Iterator<Item = f64> + '_ {
-        self.occupants[lane].iter().flat_map(|pending| pending.span.state.island.deepest())
+        self.occupants[lane].iter().flat_map(|pending| pending.state.island.deepest())
     }
 
     /// Records the motion of the lanes whose recorders need the forces of the joints, where their states are new and `sound` is one.
@@ -179,7 +177,7 @@ impl<S: Simd> LaneGroup<S> {
         for index in 0..self.watched.len() {
             let lane = self.watched[index];
             let Some(pending) = &mut self.occupants[lane] else { continue };
-            let IslandState { island, recorder, .. } = &mut pending.span.state;
+            let IslandState { island, recorder, .. } = &mut pending.state;
             let time = self.stepper.progress.time.lane(lane);
             if sound.lane(lane) != 1.0 || self.stepper.fresh.lane(lane) != 1.0 || recorder.has_recorded(time)
             {
@@ -204,7 +202,7 @@ impl<S: Simd> LaneGroup<S> {
 
     fn record_rows_of(&mut self, lane: usize) {
         let Some(pending) = &mut self.occupants[lane] else { return };
-        let IslandState { island, recorder, .. } = &mut pending.span.state;
+        let IslandState { island, recorder, .. } = &mut pending.state;
         recorder.record_rows(island, (&self.motion, lane), (&mut self.q, &mut self.v, &mut self.at));
     }
 
@@ -212,7 +210,7 @@ impl<S: Simd> LaneGroup<S> {
     fn attribute_failure(&mut self, lane: usize, error: IntegrationError) -> IntegrationError {
         let Some(pending) = &self.occupants[lane] else { return error };
         self.stepper.read_forces(lane, &mut self.at);
-        let island = &pending.span.state.island;
+        let island = &pending.state.island;
         let coordinate = worst_coordinate(self.stepper.errors(lane), island.scales());
         error.with_joint(coordinate.and_then(|coordinate| island.responsible_joint(coordinate, &self.at)))
     }
@@ -228,10 +226,10 @@ impl<S: Simd> LaneGroup<S> {
         self.watched.retain(|watched| *watched != lane);
         let mut pending = self.occupants[lane].take()?;
         let progress = self.stepper.stop(lane);
-        let state = &mut pending.span.state;
+        let state = &mut pending.state;
         state.stepper.control = progress.control;
         self.stepper.read_state(lane, &mut state.q, &mut state.v);
-        if pending.span.record {
+        if pending.record {
             self.contacts.unload(lane, &mut state.recorder);
         }
         self.island_lanes.read_memory(lane, &mut state.island);

@@ -19,6 +19,6 @@ mod queue;
 mod width;
 
 pub(crate) use executor::{RunningEvaluation, join, run_alone, run_side_by_side};
-pub(crate) use queue::{Integrated, LaneQueue, Span};
+pub(crate) use queue::LaneQueue;
 pub use width::LaneWidth;
 pub(crate) use width::widest_lanes;

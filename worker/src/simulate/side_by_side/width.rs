@@ -4,9 +4,9 @@ use super::lanes::{Group, LaneGroup};
 use super::queue::PendingSpan;
 use pulp::Simd;
 #[cfg(target_arch = "aarch64")]
-use pulp::aarch64::Neon;
+use pulp::aarch64::Neon as Narrowest;
 #[cfg(target_arch = "x86_64")]
-use pulp::x86::V3;
+use pulp::x86::V3 as Narrowest;
 #[cfg(all(target_arch = "x86_64", not(test)))]
 use pulp::x86::V4;
 
@@ -22,70 +22,41 @@ pub enum LaneWidth {
     Fitting,
 }
 
-/// Vectors of this processor.
-pub(super) enum Vectors {
-    #[cfg(target_arch = "aarch64")]
-    Two(Neon),
-    #[cfg(target_arch = "x86_64")]
-    Four(V3),
-    #[cfg(all(target_arch = "x86_64", not(test)))]
-    Eight(V4),
-}
-
-impl Vectors {
-    /// Opens a group in these vectors with its first island.
-    pub(super) fn open(self, first: PendingSpan) -> Box<dyn Group> {
-        match self {
-            #[cfg(target_arch = "aarch64")]
-            Vectors::Two(simd) => Box::new(LaneGroup::new(simd, first)),
-            #[cfg(target_arch = "x86_64")]
-            Vectors::Four(simd) => Box::new(LaneGroup::new(simd, first)),
-            #[cfg(all(target_arch = "x86_64", not(test)))]
-            Vectors::Eight(simd) => Box::new(LaneGroup::new(simd, first)),
-        }
-    }
-}
-
 impl LaneWidth {
-    /// The width of a group for this number of islands that wait.
-    pub(super) fn for_waiting(self, islands: usize) -> Self {
-        if self == LaneWidth::Fitting { LaneWidth::Holding(islands) } else { self }
-    }
-
-    /// The vectors of this width that this processor has; `None` where islands are integrated by themselves: one alone, or on a processor
-    /// without vectors. Unit tests leave out AVX-512, which is a third of their compilation; the tests of whole evaluations have it.
-    pub(super) fn vectors(self) -> Option<Vectors> {
-        if matches!(self, LaneWidth::Holding(..=1)) {
-            return None;
-        }
+    /// Opens a group in vectors of this width with the first of this number of islands that wait. `None` where that is integrated by itself, which `alone` does: without company, or on a
+    /// processor without vectors. Unit tests leave out AVX-512, which is a third of their compilation; the tests of whole evaluations have it.
+    pub(super) fn open(
+        self,
+        (waiting, first): (usize, PendingSpan),
+        alone: impl FnOnce(PendingSpan),
+    ) -> Option<Box<dyn Group>> {
+        let width = if self == LaneWidth::Fitting { LaneWidth::Holding(waiting) } else { self };
         #[cfg(all(target_arch = "x86_64", not(test)))]
-        if !matches!(self, LaneWidth::Holding(..=4))
+        if !matches!(width, LaneWidth::Holding(..=4))
             && let Some(simd) = V4::try_new()
         {
-            return Some(Vectors::Eight(simd));
+            return Some(Box::new(LaneGroup::new(simd, first)));
         }
-        #[cfg(target_arch = "x86_64")]
-        return V3::try_new().map(Vectors::Four);
-        #[cfg(target_arch = "aarch64")]
-        return Neon::try_new().map(Vectors::Two);
-        #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+        #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+        if !matches!(width, LaneWidth::Holding(..=1))
+            && let Some(simd) = Narrowest::try_new()
+        {
+            return Some(Box::new(LaneGroup::new(simd, first)));
+        }
+        alone(first);
         None
     }
 }
 
 /// Numbers in the widest vectors of this processor.
 pub(crate) fn widest_lanes() -> usize {
-    /// Numbers in vectors of `S`.
-    fn lanes<S: Simd>(_simd: S) -> usize {
-        S::F64_LANES
+    #[cfg(all(target_arch = "x86_64", not(test)))]
+    if V4::try_new().is_some() {
+        return V4::F64_LANES;
     }
-    match LaneWidth::Widest.vectors() {
-        #[cfg(target_arch = "aarch64")]
-        Some(Vectors::Two(simd)) => lanes(simd),
-        #[cfg(target_arch = "x86_64")]
-        Some(Vectors::Four(simd)) => lanes(simd),
-        #[cfg(all(target_arch = "x86_64", not(test)))]
-        Some(Vectors::Eight(simd)) => lanes(simd),
-        None => 1,
+    #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+    if Narrowest::try_new().is_some() {
+        return Narrowest::F64_LANES;
     }
+    1
 }

@@ -1,8 +1,8 @@
 //! Values and derivatives of the constraints against differences.
 
-use super::constraint::*;
-use super::coupling::JointInput;
-use super::frame::{End, Frame};
+use crate::mechanism::constraint::*;
+use crate::mechanism::coupling::JointInput;
+use crate::mechanism::frame::{End, Frame};
 use common::scene::{Drive, JointKind, Mesh, MeshForm, Table};
 
 const Q: [f64; 6] = [0.11, -0.02, 0.7, 0.03, 0.05, -0.4];

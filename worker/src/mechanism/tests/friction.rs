@@ -1,8 +1,8 @@
 //! Friction of ideal joints: its derivatives against differences, and the moment on the crank of a slider-crank against statics.
 
-use super::derivative_tests::{check, everything, states};
-use super::{ideal_cycle, islands};
+use super::derivative::{check, everything, states};
 use crate::integrate::Dynamics;
+use crate::mechanism::{ideal_cycle, islands};
 use common::scene::*;
 use std::f64::consts::TAU;
 

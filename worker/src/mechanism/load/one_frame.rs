@@ -1,4 +1,10 @@
-//! Drag of a medium on a point or on a turning body: linear and quadratic in the speed.
+//! Loads on one frame: forces, torques and motors, and the drag of a medium on a point or on a turning body.
+//!
+//! # Source
+//! Nikravesh (1988), Computer-Aided Analysis of Mechanical Systems.
+//!
+//! # Drag
+//! Linear and quadratic in the speed.
 //!
 //! With the speed u of the point along a fixed direction d, less the speed w of the medium along it, u = d . v - w [m/s], and the factor
 //! k(t or angle) [1], the force is
@@ -9,13 +15,97 @@
 //! k (b + 2 c |u|), also where u changes its sign. It dissipates -F . d u >= 0; the rest of its power, F . d w, is done by the medium.
 //! Valid for a quasi-steady flow, without added mass; c = rho C_D A / 2 of an area A [m^2] in a medium of density rho [kg/m^3].
 //!
-//! # Source
+//! Source:
 //! Batchelor (1967), An Introduction to Fluid Dynamics, section 5.11.
 
 use super::force::{LoadForce, NO_FRAME, Size, times};
 use crate::lanes::{Real, lanewise};
 use crate::mechanism::frame::{End, Frame};
 use crate::plane::{cross, dot};
+
+/// Force of a constant or varying size along a fixed direction, at a point of a frame.
+#[derive(Debug, Clone)]
+pub struct PointForce<R = f64> {
+    /// Point on which the force acts.
+    pub(super) end: End<R>,
+    /// Unit vector in global axes `(2,)` [1].
+    pub(super) direction: [R; 2],
+    /// Size of the force [N].
+    pub(super) size: Size<R>,
+}
+
+lanewise!(PointForce { end, direction, size });
+
+impl<R: Real> PointForce<R> {
+    /// The force at time `t` [s].
+    #[inline(always)]
+    pub(super) fn force(&self, t: R, frames: &[Frame<R>]) -> LoadForce<R> {
+        let PointForce { end, direction, ref size } = *self;
+        let mut load = LoadForce::none([end.frame, NO_FRAME], t);
+        let (size, rate, slope) = size.evaluate(t, frames);
+        let arm = frames[end.frame].turn(end.arm);
+        let nothing = t.zero();
+        let along = [direction[0], direction[1], cross(arm, direction), nothing, nothing, nothing];
+        load.f = times(&along, size);
+        load.ft = times(&along, rate);
+        if let Some((frame, slope)) = slope {
+            load.third = Some((frame, times(&along, slope)));
+        }
+        load.k[2][2] = -size * dot(arm, direction);
+        load
+    }
+}
+
+/// Torque of a constant or varying size on a frame.
+#[derive(Debug, Clone)]
+pub struct BodyTorque<R = f64> {
+    /// Index of the frame on which the torque acts.
+    pub(super) frame: usize,
+    /// Size, counter-clockwise positive [N m].
+    pub(super) size: Size<R>,
+}
+
+lanewise!(BodyTorque { frame, size });
+
+impl<R: Real> BodyTorque<R> {
+    /// The force at time `t` [s].
+    #[inline(always)]
+    pub(super) fn force(&self, t: R, frames: &[Frame<R>]) -> LoadForce<R> {
+        let mut load = LoadForce::none([self.frame, NO_FRAME], t);
+        let (size, rate, slope) = self.size.evaluate(t, frames);
+        (load.f[2], load.ft[2]) = (size, rate);
+        let n = t.zero();
+        if let Some((frame, slope)) = slope {
+            load.third = Some((frame, [n, n, slope, n, n, n]));
+        }
+        load
+    }
+}
+
+/// Motor with a straight characteristic: the torque stall_torque (1 - omega / no_load_speed) on a frame.
+#[derive(Debug, Clone)]
+pub struct Motor<R = f64> {
+    /// Index of the frame that the motor turns.
+    pub(super) frame: usize,
+    /// Torque at rest [N m].
+    pub(super) stall_torque: R,
+    /// Angular velocity without torque [rad/s].
+    pub(super) no_load_speed: R,
+}
+
+lanewise!(Motor { frame, stall_torque, no_load_speed });
+
+impl<R: Real> Motor<R> {
+    /// The force at time `t` [s].
+    #[inline(always)]
+    pub(super) fn force(&self, t: R, frames: &[Frame<R>]) -> LoadForce<R> {
+        let mut load = LoadForce::none([self.frame, NO_FRAME], t);
+        let per_speed = self.stall_torque / self.no_load_speed;
+        load.f[2] = self.stall_torque - per_speed * frames[self.frame].omega;
+        load.d[2][2] = -per_speed;
+        load
+    }
+}
 
 /// Drag on a point of a frame along a fixed direction.
 #[derive(Debug, Clone)]
@@ -100,9 +190,9 @@ impl<R: Real> RotationalDrag<R> {
         let omega = frames[frame].omega;
         let (torque, per_speed) = resistance(linear, quadratic, omega);
         (load.f[2], load.ft[2], load.d[2][2]) = (factor * torque, rate * torque, factor * per_speed);
-        let nothing = t.zero();
+        let n = t.zero();
         if let Some((frame, slope)) = slope {
-            load.third = Some((frame, [nothing, nothing, slope * torque, nothing, nothing, nothing]));
+            load.third = Some((frame, [n, n, slope * torque, n, n, n]));
         }
         load.lost = -(factor * torque * omega);
         load

@@ -1,9 +1,9 @@
 //! Cells of eccentricities give the integrals of the arc, whatever was met before and in other lanes.
 
-use super::arc::Arc;
-use super::arc_cells::ArcCells;
-use super::integrals::Integrals;
 use crate::bore::Profile;
+use crate::contact::arc::Arc;
+use crate::contact::arc_cells::ArcCells;
+use crate::contact::integrals::Integrals;
 use crate::lanes::{InLanes, Real, in_widest_lanes};
 use crate::plane::{dot, length};
 use std::f64::consts::TAU;

@@ -130,17 +130,6 @@ impl RailLayout {
     }
 }
 
-/// Depth of a face of the guide and its derivatives along it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Depth {
-    /// Depth w [m].
-    pub w: f64,
-    /// First derivative dw/ds [1].
-    pub slope: f64,
-    /// Second derivative [1/m].
-    pub bend: f64,
-}
-
 /// The faces of a guide and of its slider as worn so far.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RailFaces {
@@ -179,19 +168,19 @@ impl RailFaces {
         }
     }
 
-    /// Depth of a face of the guide at the place `s` along it [m].
+    /// Depth of a face of the guide at the place `s` along it [m], and its first and second derivative along it [1, 1/m].
     #[inline(always)]
-    pub(crate) fn guide_depth(&self, face: usize, s: f64) -> Depth {
+    pub(crate) fn guide_depth(&self, face: usize, s: f64) -> [f64; 3] {
         let (k, fraction) = self.layout.place(s);
         let cubic = &self.guide[face][k];
         let per_spacing = 1.0 / self.layout.spacing();
         let inside = s > self.layout.reach[0] && s < self.layout.reach[1];
         let per_spacing = if inside { per_spacing } else { 0.0 };
-        Depth {
-            w: cubic.value(fraction),
-            slope: cubic.slope(fraction) * per_spacing,
-            bend: cubic.curvature(fraction) * per_spacing * per_spacing,
-        }
+        [
+            cubic.value(fraction),
+            cubic.slope(fraction) * per_spacing,
+            cubic.curvature(fraction) * per_spacing * per_spacing,
+        ]
     }
 }
 
@@ -206,7 +195,7 @@ pub(crate) fn play(faces: &RailFaces, clearance: f64, lambda: [f64; 2], s: f64) 
         .flat_map(|(face, sign)| {
             (0..layout.nodes()).map(move |node| {
                 let x = layout.node(node);
-                let worn = faces.guide_depth(face, s + x).w + faces.slider[face][node];
+                let worn = faces.guide_depth(face, s + x)[0] + faces.slider[face][node];
                 ([sign, sign * x], clearance + worn)
             })
         })
@@ -262,20 +251,20 @@ mod tests {
         assert_eq!((faces.slider[0][2], faces.slider[1][2]), (7e-6, 0.0));
         for (k, depth) in depth[..11].iter().enumerate() {
             let s = -0.1 + 0.025 * k as f64;
-            assert!((faces.guide_depth(0, s).w - depth).abs() < 1e-18, "{k}");
-            assert_eq!(faces.guide_depth(1, s).w, 0.0);
+            assert!((faces.guide_depth(0, s)[0] - depth).abs() < 1e-18, "{k}");
+            assert_eq!(faces.guide_depth(1, s)[0], 0.0);
         }
         let h = 1e-6;
         for i in 0..2600 {
             let s = -0.105 + 1e-4 * f64::from(i) + 3.7e-5;
-            let Depth { w, slope, bend } = faces.guide_depth(0, s);
+            let [w, slope, bend] = faces.guide_depth(0, s);
             let (k, fraction) = layout.place(s);
             let (low, high) = (depth[k].min(depth[k + 1]), depth[k].max(depth[k + 1]));
             assert!(w >= low - 1e-18 && w <= high + 1e-18, "{s} {fraction}");
             let (before, after) = (faces.guide_depth(0, s - h), faces.guide_depth(0, s + h));
-            assert!((slope - (after.w - before.w) / (2.0 * h)).abs() < 1e-8, "{s}: {slope}");
+            assert!((slope - (after[0] - before[0]) / (2.0 * h)).abs() < 1e-8, "{s}: {slope}");
             if (layout.place(s - h).0, layout.place(s + h).0) == (k, k) {
-                assert!((bend - (after.slope - before.slope) / (2.0 * h)).abs() < 1e-6, "{s}: {bend}");
+                assert!((bend - (after[1] - before[1]) / (2.0 * h)).abs() < 1e-6, "{s}: {bend}");
             }
         }
     }

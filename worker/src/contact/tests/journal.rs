@@ -1,10 +1,12 @@
 //! Both contact laws with a worn journal: exact derivatives, also to the angle of the journal, balances of power and momentum, and
 //! agreement with a worn bore.
 
-use super::energy::ContactEnergy;
-use super::tests::{SURFACE, laws, motions, worn};
-use super::{Contact, JointForce, JointMotion, Journal, LawLanes, PolarEccentricity, Surface, Surfaces};
 use crate::bore::Profile;
+use crate::contact::energy::ContactEnergy;
+use crate::contact::tests::{SURFACE, laws, motions, worn};
+use crate::contact::{
+    Contact, JointForce, JointMotion, Journal, LawLanes, PolarEccentricity, Surface, Surfaces,
+};
 use std::f64::consts::TAU;
 
 /// Depths of a journal with a wide and a narrow scar.

@@ -1,7 +1,7 @@
 //! Observed order of the integration with ideal joints.
 
-use super::{Island, ideal_cycle, islands};
 use crate::integrate::{Dynamics, Rosenbrock, Stepped};
+use crate::mechanism::{Island, ideal_cycle, islands};
 use common::scene::SceneSource;
 
 /// State of the island after 0.7 s in equal steps, closed after each.

@@ -1,6 +1,6 @@
 //! Accelerations of the ideal mechanism against differences of its velocities.
 
-use super::{ideal_accelerations, ideal_cycle};
+use crate::mechanism::{ideal_accelerations, ideal_cycle};
 use common::scene::{Drive, Motion, Scene, SceneSource, Table};
 
 /// Largest difference between the accelerations and the central differences of the velocities, relative to

@@ -1,10 +1,10 @@
 //! The wear rate of the local law against its readable version: a walk from angle to angle, sample by sample.
 
-use super::arc_ends::subdivision;
-use super::local_arcs::LocalArcs;
-use super::{BoreWearRate, ContactHistory, ContactInstant, ContactSample, WearLaw};
 use crate::bore::Profile;
 use crate::contact::{Contact, JointForce, LocalHertz, Surface};
+use crate::wear::arc_ends::subdivision;
+use crate::wear::local_arcs::LocalArcs;
+use crate::wear::{BoreWearRate, ContactHistory, ContactInstant, ContactSample, WearLaw};
 use std::f64::consts::{PI, TAU};
 
 const CLEARANCE: f64 = 23.5e-6;

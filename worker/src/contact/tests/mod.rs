@@ -1,10 +1,15 @@
 //! Both contact laws on a worn bore: exact derivatives, balances of power and momentum, conservation.
 
-use super::{
+mod arc_cells;
+mod foundation;
+mod journal;
+mod rotated_cells;
+
+use crate::bore::Profile;
+use crate::contact::{
     Contact, ForceSlopes, Foundation, JointForce, JointMotion, LawLanes, LocalHertz, PolarEccentricity,
     Surface, Surfaces,
 };
-use crate::bore::Profile;
 use std::f64::consts::TAU;
 
 pub(super) const SURFACE: Surface = Surface {

@@ -1,12 +1,11 @@
 //! Wear of guides and sliders under histories made for the purpose: volumes, closed forms, equilibria of random loads.
 
-use super::rail_equilibrium::RailGaps;
-use super::{
-    FinerBore, RailHistory, RailInstant, RailWearRate, StepRule, WearLaw, WearStep, WearStepStats,
-    WornAmounts,
-};
 use crate::contact::GuideReaction;
 use crate::rail::RailLayout;
+use crate::wear::rail_equilibrium::RailGaps;
+use crate::wear::{
+    FinerBore, RailHistory, RailInstant, RailWearRate, WearLaw, WearStep, WearStepStats, WornAmounts,
+};
 
 const CLEARANCE: f64 = 1e-4;
 const STIFFNESS: f64 = 7e9;
@@ -43,7 +42,7 @@ fn history(layout: &RailLayout, instants: &[(f64, RailInstant)]) -> RailHistory 
 
 fn wear(rate: &mut RailWearRate, depth: &mut [f64], cycles: f64, tolerance: f64) -> WearStepStats {
     let mut stats = WearStepStats::default();
-    WearStep::new(depth.len(), StepRule::Controlled(tolerance))
+    WearStep::new(depth.len(), Some(tolerance))
         .advance(rate, depth, cycles, &[], |_, _| {}, &mut stats)
         .expect("worn");
     stats
@@ -266,8 +265,7 @@ fn the_finer_copy_states_an_error_that_holds() {
         let history = history(&layout, &instants());
         let mut rate = law(layout, [COEFFICIENT, 5e-14]);
         let finer = layout.finer();
-        let mut copy =
-            FinerBore::new(law(finer, [COEFFICIENT, 5e-14]), finer.depths(), StepRule::Controlled(5e-3));
+        let mut copy = FinerBore::new(law(finer, [COEFFICIENT, 5e-14]), finer.depths(), Some(5e-3));
         let (mut depth, mut worn) = (vec![0.0; layout.depths()], WornAmounts::default());
         for _ in 0..8 {
             rate.freeze(&history);

@@ -1,14 +1,13 @@
 //! The stated error of the wear against bores with eight times as many control points and four times as many blocks, over loads chosen
 //! at random.
 
-use super::step_tests::{COEFFICIENT, POINTS, SURFACE, WIDTH};
-use super::{
-    BoreWearRate, ContactHistory, ContactInstant, FinerBore, StepRule, WearLaw, WearStep, WearStepStats,
-    WornAmounts,
-};
+use super::step::{COEFFICIENT, POINTS, SURFACE, WIDTH};
 use crate::bore::Profile;
 use crate::contact::{Contact, Foundation, JointForce, LocalHertz};
 use crate::extremum::largest;
+use crate::wear::{
+    BoreWearRate, ContactHistory, ContactInstant, FinerBore, WearLaw, WearStep, WearStepStats, WornAmounts,
+};
 use std::f64::consts::TAU;
 
 /// A load that swings about a direction, and the blocks over which it wears a bore.
@@ -90,11 +89,11 @@ fn worn(law: &str, case: &Case, points: usize) -> (Vec<f64>, Vec<f64>) {
     let profile = Profile::round(SURFACE.journal_radius + SURFACE.clearance, points);
     let contact = contact(law, points);
     let mut rate = BoreWearRate::new([COEFFICIENT, 0.0], WIDTH, &contact, &profile);
-    let mut step = WearStep::new(points, StepRule::Controlled(case.tolerance));
+    let mut step = WearStep::new(points, Some(case.tolerance));
     let mut copy = FinerBore::new(
         BoreWearRate::new([COEFFICIENT, 0.0], WIDTH, &contact, &profile.unworn(2 * points)),
         2 * points,
-        StepRule::Controlled(case.tolerance),
+        Some(case.tolerance),
     );
     let mut depth = vec![0.0; points];
     let (mut depths, mut stated, mut amounts) = (vec![], vec![], WornAmounts::default());
@@ -121,7 +120,7 @@ fn worn(law: &str, case: &Case, points: usize) -> (Vec<f64>, Vec<f64>) {
 fn converged(law: &str, case: &Case, points: usize) -> Vec<f64> {
     let profile = Profile::round(SURFACE.journal_radius + SURFACE.clearance, points);
     let mut rate = BoreWearRate::new([COEFFICIENT, 0.0], WIDTH, &contact(law, points), &profile);
-    let mut step = WearStep::new(points, StepRule::Controlled(1e-2));
+    let mut step = WearStep::new(points, Some(1e-2));
     let mut depth = vec![0.0; points];
     let mut depths = vec![];
     for block in ENDS.windows(2) {

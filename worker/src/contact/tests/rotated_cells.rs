@@ -3,12 +3,12 @@
 // A state has several coordinates and a lane: plain indices.
 #![allow(clippy::needless_range_loop)]
 
-use super::arc::Arc;
-use super::integrals::RotatedIntegrals;
-use super::journal_table::JournalTable;
-use super::rotated_arc::RotatedArc;
-use super::rotated_cells::RotatedCells;
 use crate::bore::Profile;
+use crate::contact::arc::Arc;
+use crate::contact::integrals::RotatedIntegrals;
+use crate::contact::journal_table::JournalTable;
+use crate::contact::rotated_arc::RotatedArc;
+use crate::contact::rotated_cells::RotatedCells;
 use crate::lanes::{InLanes, Real, in_widest_lanes};
 use crate::plane::{dot, length};
 use std::f64::consts::TAU;
@@ -91,7 +91,7 @@ fn cells_give_the_integrals_of_the_turned_arc_whatever_cells_were_met_before() {
                 let anew = RotatedCells::new(arc, 0.0).integrate::<true>(&pairs, e, alpha);
                 assert_eq!(bits(&found), bits(&anew), "{e:?}, {alpha}");
                 too_many += usize::from(cells.cells.overfull);
-                let exact = RotatedArc { arc, journal }.integrate::<true>(e, alpha);
+                let exact = RotatedArc { arc, journal }.integrals::<true>(e, alpha);
                 let (size, extent) = (length(exact.to_e.p), exact.to_e.d[0] + exact.to_e.d[2]);
                 // Lighter contacts lose digits to rounding: 1e-9 m of 2e-5 m leaves eleven.
                 if size < 1e-9 * 0.01 {

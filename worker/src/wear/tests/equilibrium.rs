@@ -1,8 +1,8 @@
 //! Forces in equilibrium on bores of all kinds: round, worn, rough, with a deep narrow groove.
 
-use super::equilibrium::{LEFT, NEARBY, NoEquilibrium, RESOLVED, equilibrium};
 use crate::bore::Profile;
 use crate::contact::{Foundation, FoundationLoad, Surface};
+use crate::wear::equilibrium::{LEFT, NEARBY, NoEquilibrium, RESOLVED, equilibrium};
 use std::f64::consts::TAU;
 
 const POINTS: usize = 36;
@@ -63,7 +63,7 @@ fn on_a_round_bore_a_force_rests_at_hertz_penetration() {
         let bound = 4e-4 + 0.025 / spanned.powi(3);
         for psi in [0.1, 2.0, 4.4] {
             let (start, force) = (polar(0.9 * clearance, psi - 1.0), polar(force, psi));
-            let e = equilibrium(&law, force, start).expect("in equilibrium").e;
+            let e = equilibrium(&law, force, start).expect("in equilibrium").0;
             let off = (e[0].hypot(e[1]) - clearance) / depth - 1.0;
             let turned = (e[1].atan2(e[0]) - psi).rem_euclid(TAU);
             assert!(off.abs() < bound, "{force:?} N: {off} of the penetration");
@@ -106,15 +106,15 @@ fn every_force_within_range_finds_its_rest_on_any_bore() {
                     let start = polar((clearance + size) * even.next(), TAU * even.next());
                     let found = equilibrium(&law, force, start)
                         .unwrap_or_else(|e| panic!("{e:?}: {force:?} N, {clearance} m, {depth:?}"));
-                    let FoundationLoad { force: carried, stiffness: [a, _, d], .. } = law.load(found.e);
+                    let FoundationLoad { force: carried, stiffness: [a, _, d], .. } = law.load(found.0);
                     let left = (carried[0] - force[0]).hypot(carried[1] - force[1]);
                     let bound = f64::max(
                         LEFT * force[0].hypot(force[1]),
                         RESOLVED * law.surface.journal_radius * (a + d),
                     );
                     assert!(left <= bound * (1.0 + 1e-9), "{left} of {force:?}");
-                    far += u32::from(found.evaluations > NEARBY);
-                    most = most.max(found.evaluations);
+                    far += u32::from(found.1 > NEARBY);
+                    most = most.max(found.1);
                 }
             }
         }
@@ -135,8 +135,8 @@ fn from_nearby_a_rest_costs_a_few_evaluations() {
             let before =
                 equilibrium(&law(23.5e-6, &scar(10e-6)), force, polar(30e-6, psi)).expect("in equilibrium");
             let after = law(23.5e-6, &scar(10.1e-6));
-            let found = equilibrium(&after, force, before.e).expect("in equilibrium");
-            assert!(found.evaluations <= 8, "{force:?}: {} evaluations", found.evaluations);
+            let found = equilibrium(&after, force, before.0).expect("in equilibrium");
+            assert!(found.1 <= 8, "{force:?}: {} evaluations", found.1);
         }
     }
 }
@@ -148,7 +148,7 @@ fn a_force_too_light_to_resolve_rests_where_the_journal_touches() {
         for power in [14, 16, 20, 100, 300] {
             let force = polar(10f64.powi(-power), 1.9);
             let found = equilibrium(&law, force, [0.0; 2]).expect("in equilibrium");
-            let carried = law.load(found.e).force;
+            let carried = law.load(found.0).force;
             let size = carried[0].hypot(carried[1]);
             assert!(size > 0.0 && size < 1e-12, "1e-{power} N: {carried:?}");
         }

@@ -1,12 +1,11 @@
 //! Archard's volume K_H F S and the wear step, under contact histories made for the purpose.
 
-use super::step_tests::{COEFFICIENT, POINTS, SURFACE, WIDTH, foundation};
-use super::{
-    BoreWearRate, ContactHistory, ContactInstant, FinerBore, StepRule, WearLaw, WearStep, WearStepStats,
-    WornAmounts,
-};
+use super::step::{COEFFICIENT, POINTS, SURFACE, WIDTH, foundation};
 use crate::bore::Profile;
 use crate::contact::{Contact, Foundation, JointForce, LocalHertz};
+use crate::wear::{
+    BoreWearRate, ContactHistory, ContactInstant, FinerBore, WearLaw, WearStep, WearStepStats, WornAmounts,
+};
 use std::f64::consts::TAU;
 
 /// Normal force [N] and sliding distance per cycle [m], those of the flapping-wing's joints.
@@ -56,7 +55,7 @@ fn rate(contact: &Contact, history: &ContactHistory) -> BoreWearRate {
 }
 
 fn wear(rate: &mut BoreWearRate, depth: &mut [f64], cycles: f64, tolerance: f64) {
-    WearStep::new(POINTS, StepRule::Controlled(tolerance))
+    WearStep::new(POINTS, Some(tolerance))
         .advance(rate, depth, cycles, &[], |_, _| {}, &mut WearStepStats::default())
         .expect("the wear step reaches its tolerance");
 }
@@ -169,13 +168,13 @@ fn wear_does_not_depend_on_how_a_block_is_cut() {
         // What a mark inside the block sees is the depth there.
         let (mut half, mut marked) = (vec![0.0; POINTS], vec![]);
         wear(&mut rate(&contact, &history), &mut half, 2000.0, 1e-3);
-        WearStep::new(POINTS, StepRule::Controlled(1e-3))
+        WearStep::new(POINTS, Some(1e-3))
             .advance(
                 &mut rate(&contact, &history),
                 &mut vec![0.0; POINTS],
                 4000.0,
                 &[2000.0],
-                |_, depths| marked = depths.depth.to_vec(),
+                |_, [depth, _]| marked = depth.to_vec(),
                 &mut WearStepStats::default(),
             )
             .expect("the wear step reaches its tolerance");
@@ -194,11 +193,11 @@ fn scar(contact: &Contact, history: &ContactHistory, points: usize) -> (f64, f64
     let profile = Profile::round(SURFACE.journal_radius + SURFACE.clearance, points);
     let mut rate = BoreWearRate::new([COEFFICIENT, 0.0], WIDTH, contact, &profile);
     rate.freeze(history);
-    let mut step = WearStep::new(points, StepRule::Controlled(5e-3));
+    let mut step = WearStep::new(points, Some(5e-3));
     let mut copy = FinerBore::new(
         BoreWearRate::new([COEFFICIENT, 0.0], WIDTH, contact, &profile.unworn(2 * points)),
         2 * points,
-        StepRule::Controlled(5e-3),
+        Some(5e-3),
     );
     let (mut depth, mut worn) = (vec![0.0; points], WornAmounts::default());
     for _ in 0..8 {

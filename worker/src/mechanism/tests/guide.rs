@@ -1,8 +1,8 @@
 //! A guide with clearance by itself: derivatives, closed forms of its contacts, energy, momentum.
 
-use super::frame::{End, Frame};
-use super::guide::{Guide, Guiding};
 use crate::contact::GuideReaction;
+use crate::mechanism::frame::{End, Frame};
+use crate::mechanism::guide::{Guide, Guiding};
 use common::scene::{ContactDamping, GuideClearance, Material};
 
 const LENGTH: f64 = 0.05;

@@ -1,9 +1,9 @@
 //! A slider on worn faces by itself: the flat guide as its limit, derivatives, energy, momentum.
 
-use super::guide::Guiding;
-use super::guide_tests::assert_derivatives;
-use super::{End, Frame, WearingGuide};
+use super::guide::assert_derivatives;
 use crate::contact::GuideReaction;
+use crate::mechanism::guide::Guiding;
+use crate::mechanism::{End, Frame, WearingGuide};
 use common::scene::{ContactDamping, GuideClearance, GuideWear, Material, WearingSurfaces};
 
 const CLEARANCE: f64 = 1e-4;

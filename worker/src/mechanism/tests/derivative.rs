@@ -1,11 +1,11 @@
 //! Derivatives of the generalised forces, of one pair of bodies and of whole islands, against central
 //! differences.
 
-use super::joint::{Blocks, PairMotion, PairSlopes, pair_force};
-use super::{End, Frame, Island, WearingPair, ideal_cycle, islands};
 use crate::bore::Profile;
 use crate::contact::{Contact, JointForce, Journal, LawLanes, Surfaces};
 use crate::integrate::{Dynamics, StepControl, StepCounts, Stepped, Stepper};
+use crate::mechanism::joint::{Blocks, PairMotion, PairSlopes, pair_force};
+use crate::mechanism::{End, Frame, Island, WearingPair, ideal_cycle, islands};
 use common::scene::*;
 use std::f64::consts::TAU;
 

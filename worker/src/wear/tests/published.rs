@@ -1,10 +1,10 @@
 //! The published forms of the wear against closed forms: the rule of the points inside an arc, the explicit step, the approximating spline.
 
-use super::local_arcs::LocalArcs;
-use super::step_tests::{COEFFICIENT, SURFACE, WIDTH};
-use super::{BoreWearRate, ContactHistory, ContactSample, StepRule, WearLaw, WearStep, WearStepStats};
+use super::step::{COEFFICIENT, SURFACE, WIDTH};
 use crate::bore::Profile;
 use crate::contact::{Contact, LocalHertz};
+use crate::wear::local_arcs::LocalArcs;
+use crate::wear::{BoreWearRate, ContactHistory, ContactSample, WearLaw, WearStep, WearStepStats};
 use common::scene::{BoreSpline, WearDistribution};
 use std::f64::consts::TAU;
 
@@ -95,8 +95,8 @@ fn stepped(
     let (mut rate, mut depth, mut marked) = (vec![0.0; POINTS], vec![0.0; POINTS], vec![]);
     law.rate(&depth, &mut rate).expect("the local law needs no equilibrium");
     let mut stats = WearStepStats::default();
-    WearStep::new(POINTS, StepRule::Explicit)
-        .advance(&mut law, &mut depth, cycles, marks, |_, at| marked.push(at.depth.to_vec()), &mut stats)
+    WearStep::new(POINTS, None)
+        .advance(&mut law, &mut depth, cycles, marks, |_, [depth, _]| marked.push(depth.to_vec()), &mut stats)
         .expect("an explicit step has no tolerance to miss");
     assert_eq!((stats.stages, stats.rejected), (1, 0));
     (rate, depth, marked)
@@ -122,7 +122,7 @@ fn an_explicit_step_through_a_wall_is_refused() {
     let mut law = BoreWearRate::new([COEFFICIENT, 0.0], WIDTH, &contact(), &Profile::round(RADIUS, POINTS));
     law.freeze(&history);
     let mut depth = vec![0.0; POINTS];
-    let worn = WearStep::new(POINTS, StepRule::Explicit).advance(
+    let worn = WearStep::new(POINTS, None).advance(
         &mut law,
         &mut depth,
         1e9,
@@ -130,7 +130,7 @@ fn an_explicit_step_through_a_wall_is_refused() {
         |_, _| {},
         &mut WearStepStats::default(),
     );
-    assert!(matches!(worn, Err(super::WearStepFailed::TooDeep(_))), "{worn:?}");
+    assert!(matches!(worn, Err(crate::wear::WearStepFailed::TooDeep(_))), "{worn:?}");
     assert_eq!(depth, [0.0; POINTS]);
 }
 

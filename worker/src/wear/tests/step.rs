@@ -1,14 +1,14 @@
 //! The wear step under a frozen contact history: its order, its agreement with many small steps, and that it
 //! does not zig-zag however long its blocks are.
 
-use super::amounts::{BoreSizes, SurfaceSizes};
-use super::archard::FrozenContacts;
-use super::{
-    BoreWearRate, ContactHistory, ContactInstant, NoEquilibrium, StepRule, WearLaw, WearStep, WearStepFailed,
-    WearStepStats,
-};
 use crate::bore::Profile;
 use crate::contact::{Contact, Foundation, JointForce, LocalHertz, Surface};
+use crate::wear::amounts::{BoreSizes, SurfaceSizes};
+use crate::wear::archard::FrozenContacts;
+use crate::wear::{
+    BoreWearRate, ContactHistory, ContactInstant, NoEquilibrium, WearLaw, WearStep, WearStepFailed,
+    WearStepStats,
+};
 use std::f64::consts::TAU;
 
 pub(super) const SURFACE: Surface = Surface {
@@ -68,7 +68,7 @@ struct Worn {
 
 /// Wears a bore from `start` by `blocks` blocks of `cycles` each.
 fn wear(contact: &Contact, start: &[f64], blocks: u32, cycles: f64, tolerance: f64) -> Worn {
-    let (mut rate, mut step) = (rate(contact), WearStep::new(POINTS, StepRule::Controlled(tolerance)));
+    let (mut rate, mut step) = (rate(contact), WearStep::new(POINTS, Some(tolerance)));
     let mut worn = Worn { depth: start.to_vec(), stats: WearStepStats::default() };
     for _ in 0..blocks {
         step.advance(&mut rate, &mut worn.depth, cycles, &[], |_, _| {}, &mut worn.stats)
@@ -164,7 +164,7 @@ fn following_a_rest_through_a_block_costs_a_few_evaluations() {
     // Newton's method from the equilibrium on the bore of the stage before: one evaluation there and one after each of one or two
     // steps, for samples in groups.
     let mut rate = rate(&foundation());
-    let (mut step, mut stats) = (WearStep::new(POINTS, StepRule::Controlled(2e-2)), WearStepStats::default());
+    let (mut step, mut stats) = (WearStep::new(POINTS, Some(2e-2)), WearStepStats::default());
     let mut depth = vec![0.0; POINTS];
     for _ in 0..8 {
         step.advance(&mut rate, &mut depth, 2000.0, &[], |_, _| {}, &mut stats)
@@ -211,7 +211,7 @@ fn groups_of_samples_wear_a_bore_as_the_samples_one_by_one() {
     let grouped = wear(&foundation(), &[0.0; POINTS], 8, 2000.0, 1e-3).depth;
     let mut all = OneByOne(vec![rate(&foundation()); cycle().samples.len()]);
     all.freeze(&cycle());
-    let (mut step, mut depth) = (WearStep::new(POINTS, StepRule::Controlled(1e-3)), vec![0.0; POINTS]);
+    let (mut step, mut depth) = (WearStep::new(POINTS, Some(1e-3)), vec![0.0; POINTS]);
     for _ in 0..8 {
         step.advance(&mut all, &mut depth, 2000.0, &[], |_, _| {}, &mut WearStepStats::default())
             .expect("the force has an equilibrium");
@@ -271,7 +271,7 @@ impl WearLaw for Alike {
 
 /// Ends of a block of 1000 cycles under this rate, with what it took.
 fn block(rate: fn(f64) -> f64) -> (Result<(), WearStepFailed>, WearStepStats) {
-    let (mut step, mut stats) = (WearStep::new(POINTS, StepRule::Controlled(1e-2)), WearStepStats::default());
+    let (mut step, mut stats) = (WearStep::new(POINTS, Some(1e-2)), WearStepStats::default());
     let ended = step.advance(&mut Alike(rate), &mut [0.0; POINTS], 1000.0, &[], |_, _| {}, &mut stats);
     (ended, stats)
 }

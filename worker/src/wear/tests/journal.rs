@@ -1,12 +1,11 @@
 //! Wear of a journal beside that of its bushing: even wear of a journal that turns, volumes, and mirror images.
 
-use super::step_tests::{COEFFICIENT, POINTS, SURFACE, WIDTH};
-use super::{
-    BoreWearRate, ContactHistory, ContactInstant, FinerBore, StepRule, WearLaw, WearStep, WearStepStats,
-    WornAmounts,
-};
+use super::step::{COEFFICIENT, POINTS, SURFACE, WIDTH};
 use crate::bore::Profile;
 use crate::contact::{Contact, Foundation, JointForce, LocalHertz};
+use crate::wear::{
+    BoreWearRate, ContactHistory, ContactInstant, FinerBore, WearLaw, WearStep, WearStepStats, WornAmounts,
+};
 use std::f64::consts::TAU;
 
 /// Normal force [N] and sliding distance per cycle [m], those of the flapping-wing's joints.
@@ -54,11 +53,11 @@ fn worn(
     let mut rate = BoreWearRate::new(coefficients, WIDTH, contact, &profile);
     rate.freeze(history);
     let mut depth = vec![0.0; 2 * points];
-    let mut step = WearStep::new(2 * points, StepRule::Controlled(1e-3));
+    let mut step = WearStep::new(2 * points, Some(1e-3));
     let mut copy = FinerBore::new(
         BoreWearRate::new(coefficients, WIDTH, contact, &profile.unworn(2 * points)),
         4 * points,
-        StepRule::Controlled(1e-3),
+        Some(1e-3),
     );
     for _ in 0..blocks {
         copy.freeze(history, 500.0, rate.sizes().amounts(&depth));
