@@ -135,7 +135,7 @@ pub fn resume(arguments: &ResumeArguments, verbosity: Verbosity) -> Done {
     let monitor = Monitor::open(monitor, &evaluator, dir, study.scene(), &study.settings)?;
     study.campaign.forget_failed_start()?;
     // Another build computes what follows: from which evaluation on, the legs say.
-    if begins_leg || study.campaign.legs()?.last().is_none_or(|leg| leg.version != program()) {
+    if begins_leg || study.campaign.leg_versions()?.last().is_none_or(|version| *version != program()) {
         let settings = serde_json::to_value(&study.settings)?;
         study.campaign.begin_leg(settings, &command_line(), &program())?;
     }
@@ -168,8 +168,8 @@ fn program() -> String {
 /// Says on standard error what a study goes on from.
 fn say_what_is_done(study: &StoredStudy, extended: &Settings) -> Done {
     print_message(format_args!("{} evaluations are done already", study.campaign.count()?));
-    let legs = study.campaign.legs()?;
-    let before = legs.iter().skip(1).last().map_or(&study.campaign.meta().version, |leg| &leg.version);
+    let legs = study.campaign.leg_versions()?;
+    let before = legs.iter().skip(1).last().unwrap_or(&study.campaign.meta().version);
     let ours = program();
     if *before != ours {
         print_message(format_args!(

@@ -10,8 +10,9 @@ use common::outputs::{Evaluation, NarrowGroove};
 use common::scene::{Fault, Faults, Output, OutputUnit, Scene, SceneSource};
 use coordinator::presentation::motion_cautions::cautions;
 use coordinator::presentation::nominal_life::nominal_lives;
+use coordinator::presentation::report::ReportInput;
 use coordinator::presentation::report::format::{count as grouped, duration, three_digits, with_unit};
-use coordinator::presentation::report::nominal_page::NominalView;
+use coordinator::presentation::report::nominal_page::page;
 use coordinator::results::control_points::control_points_rows;
 use coordinator::results::result_files::write_text;
 use coordinator::study::{Settings, blank};
@@ -138,7 +139,7 @@ impl Simulated<'_> {
         let Self { scene, evaluation, .. } = self;
         let mut summary = blank(scene, &Settings::from(scene.study));
         summary.control_points = control_points_rows(scene, &evaluation.diagnostics);
-        let view = NominalView { scene, summary, evaluation: Some(evaluation), drawing: None };
+        let input = ReportInput::of_one(scene, summary, Some((*evaluation).clone()));
         let set =
             if set.is_empty() { "every random variable at its mean".to_owned() } else { set.join(", ") };
         let facts = [
@@ -147,7 +148,7 @@ impl Simulated<'_> {
             ("work", self.work()),
             ("version", format!("Hingewise {}", env!("CARGO_PKG_VERSION"))),
         ];
-        view.page(&facts, source).html(None)
+        page(&input, &facts, source).html(None)
     }
 
     /// Life, accuracy, steps and time.

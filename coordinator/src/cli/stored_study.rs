@@ -8,7 +8,9 @@ use coordinator::analyses::learn::{fitted_reliability, uncertain_fits};
 use coordinator::analyses::what_if::{FinishedStudy, POPULATION, WhatIf, ask};
 use coordinator::presentation::report::SUMMARY_DOCUMENT;
 use coordinator::presentation::terminal::Terminal;
-use coordinator::results::store::{CampaignFile, FILE_NAME, FurtherEvaluations, StoreError};
+use coordinator::results::store::{
+    CampaignFile, FILE_NAME, FurtherEvaluations, StoreError, StoredEvaluation,
+};
 use coordinator::results::summary::StudySummary;
 use coordinator::statistics::updating::ConfidentReliability;
 use coordinator::study::{
@@ -272,7 +274,7 @@ impl OpenedStudy {
 /// [`StoreError`].
 pub fn stored_correction(campaign: &CampaignFile, scene: &Scene) -> Result<Option<Correction>, StoreError> {
     let mut finer = Vec::new();
-    campaign.for_each_finer(|level, sample, outcome| {
+    campaign.for_each_known(true, |StoredEvaluation { level, sample, outcome, .. }| {
         finer.push((level, StoredOutcome { sample, outcome: outcome.map(Observed::from_evaluation) }));
     })?;
     if finer.is_empty() {
@@ -296,7 +298,7 @@ pub fn known_outcomes(campaign: &CampaignFile, scene: &Scene) -> Result<Vec<Stor
 /// Outcomes at the working accuracy as they were simulated, without correction.
 fn as_simulated(campaign: &CampaignFile) -> Result<Vec<StoredOutcome>, StoreError> {
     let mut all = Vec::new();
-    campaign.for_each_known(|sample, outcome| {
+    campaign.for_each_known(false, |StoredEvaluation { sample, outcome, .. }| {
         all.push(StoredOutcome { sample, outcome: outcome.map(Observed::from_evaluation) });
     })?;
     Ok(all)

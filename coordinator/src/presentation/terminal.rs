@@ -109,13 +109,6 @@ fn uncertainty(round: &Round) -> String {
     format!(", uncertain {}, min U {}", percent(round.share_uncertain), fixed(round.min_u, 3))
 }
 
-/// Form of the output.
-enum OutputMode {
-    Quiet,
-    Lines,
-    Bar(ProgressBar),
-}
-
 /// Style of the progress bar: on 80 columns 71 are left for the text.
 fn style() -> ProgressStyle {
     ProgressStyle::with_template("{spinner} {bar:6} {wide_msg}")
@@ -126,30 +119,26 @@ fn style() -> ProgressStyle {
 pub struct Terminal {
     text: ProgressText,
     start: Instant,
-    mode: OutputMode,
+    quiet: bool,
+    /// The progress bar on a terminal; without one there are lines.
+    bar: Option<ProgressBar>,
 }
 
 impl Terminal {
     /// A progress bar if standard error is a terminal, otherwise plain lines; nothing if `quiet`.
     pub fn new(quiet: bool) -> Self {
-        let mode = if quiet {
-            OutputMode::Quiet
-        } else if std::io::stderr().is_terminal() {
-            let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::stderr());
-            bar.set_style(style());
-            bar.enable_steady_tick(Duration::from_millis(250));
-            OutputMode::Bar(bar)
-        } else {
-            OutputMode::Lines
-        };
-        Self { text: ProgressText::default(), start: Instant::now(), mode }
+        let bar = (!quiet && std::io::stderr().is_terminal()).then(|| {
+            let bar =
+                ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::stderr()).with_style(style());
+            bar.enable_steady_tick(REDRAW);
+            bar
+        });
+        Self { text: ProgressText::default(), start: Instant::now(), quiet, bar }
     }
 
     /// Clears the progress bar, so that the following output starts on a clean line.
     pub fn finish(&mut self) {
-        if let OutputMode::Bar(bar) = &self.mode {
-            bar.finish_and_clear();
-        }
+        self.bar.iter().for_each(ProgressBar::finish_and_clear);
     }
 }
 
@@ -163,10 +152,10 @@ impl Observer for Terminal {
     fn notice(&mut self, progress: &Progress) {
         let now = self.start.elapsed();
         let line = self.text.line(now, progress);
-        match &self.mode {
-            OutputMode::Quiet => {}
-            OutputMode::Lines => line.into_iter().for_each(print_message),
-            OutputMode::Bar(bar) => {
+        match &self.bar {
+            None if self.quiet => {}
+            None => line.into_iter().for_each(print_message),
+            Some(bar) => {
                 bar.set_length(self.text.study.budget.max(self.text.study.planned));
                 bar.set_position(self.text.study.done);
                 bar.set_message(self.text.state(now));
@@ -314,8 +303,8 @@ mod tests {
     fn the_bar_shows_the_text() {
         let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::hidden());
         bar.set_style(style());
-        let mode = OutputMode::Bar(bar.clone());
-        let mut terminal = Terminal { text: ProgressText::default(), start: Instant::now(), mode };
+        let (text, start) = (ProgressText::default(), Instant::now());
+        let mut terminal = Terminal { text, start, quiet: false, bar: Some(bar.clone()) };
         terminal.notice(&batch(120, 120, "initial design"));
         terminal.notice(&evaluated(7, true));
         assert_eq!((bar.length(), bar.position()), (Some(400), 7));

@@ -6,29 +6,20 @@
 
 use std::borrow::Cow;
 
-/// A table under construction.
-#[derive(Debug)]
-pub struct CsvTable(csv::Writer<Vec<u8>>);
-
-impl CsvTable {
-    /// A table with these names of its columns.
-    pub fn new<C: AsRef<str>>(columns: impl IntoIterator<Item = C>) -> Self {
-        let mut table = Self(csv::Writer::from_writer(Vec::new()));
-        table.push(columns);
-        table
+/// The text with these names of its columns and these rows of one cell per column, one line each.
+pub fn csv<C: AsRef<str>, R: AsRef<str>>(
+    columns: impl IntoIterator<Item = C>,
+    rows: impl IntoIterator<Item: IntoIterator<Item = R>>,
+) -> String {
+    let plain = |cell: &str| plain_text(cell).into_owned();
+    let columns: Vec<String> = columns.into_iter().map(|cell| plain(cell.as_ref())).collect();
+    let rows = rows.into_iter().map(|row| row.into_iter().map(|cell| plain(cell.as_ref())).collect());
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for cells in std::iter::once(columns).chain(rows) {
+        writer.write_record(cells).expect("a row in memory has as many cells as there are columns");
     }
-
-    /// Appends a row: one cell per column.
-    pub fn push<C: AsRef<str>>(&mut self, cells: impl IntoIterator<Item = C>) {
-        let cells = cells.into_iter().map(|cell| plain_text(cell.as_ref()).into_owned());
-        self.0.write_record(cells).expect("a row in memory has as many cells as there are columns");
-    }
-
-    /// The text, one line per row.
-    pub fn into_text(self) -> String {
-        let bytes = self.0.into_inner().expect("writing to memory does not fail");
-        String::from_utf8(bytes).expect("cells are text")
-    }
+    let bytes = writer.into_inner().expect("writing to memory does not fail");
+    String::from_utf8(bytes).expect("cells are text")
 }
 
 /// A cell as it is written: with an apostrophe before a first character from which spreadsheets read a formula, unless it is a number, and
@@ -56,17 +47,19 @@ mod tests {
 
     #[test]
     fn issue_no_name_is_a_formula() {
-        let table = CsvTable::new(["=HYPERLINK(1),<b>", "+a", "-b", "@c", "d=e"]);
-        assert_eq!(table.into_text(), "\"'=HYPERLINK(1),<b>\",'+a,'-b,'@c,d=e\n");
+        let none: [[&str; 5]; 0] = [];
+        let table = csv(["=HYPERLINK(1),<b>", "+a", "-b", "@c", "d=e"], none);
+        assert_eq!(table, "\"'=HYPERLINK(1),<b>\",'+a,'-b,'@c,d=e\n");
         assert_eq!(plain_text("\u{1b}[2J=1"), " [2J=1");
         assert_eq!((plain_text("=1+1"), plain_text("-1.5e-3")), ("'=1+1".into(), "-1.5e-3".into()));
     }
 
     #[test]
     fn cells_are_quoted_only_where_they_need_it() {
-        let mut table = CsvTable::new(["name", "R, total"]);
-        table.push(["a \"b\"", &number(0.1 + 0.2)]);
-        table.push([String::new(), number(f64::NAN)]);
-        assert_eq!(table.into_text(), "name,\"R, total\"\n\"a \"\"b\"\"\",0.30000000000000004\n,\n");
+        let rows = [["a \"b\"", &number(0.1 + 0.2)], ["", &number(f64::NAN)]];
+        assert_eq!(
+            csv(["name", "R, total"], rows),
+            "name,\"R, total\"\n\"a \"\"b\"\"\",0.30000000000000004\n,\n"
+        );
     }
 }

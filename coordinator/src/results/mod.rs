@@ -31,16 +31,12 @@
 pub mod control_points;
 pub mod csv_table;
 pub mod journal;
-pub mod level_summary;
 pub mod life_summary;
-pub mod outlier_summary;
-pub mod point_summary;
 pub mod progress;
 pub mod reliability_summary;
 pub mod result_files;
 pub mod scene_summary;
 pub mod store;
 pub mod summary;
-mod surrogate_summary;
+pub mod summary_rows;
 pub mod timing;
-pub mod variant_summary;

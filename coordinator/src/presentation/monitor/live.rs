@@ -5,7 +5,7 @@
 use super::study_section::{STYLE, StatusSource, study_section};
 use crate::farm::dispatch::StatusBoard;
 use crate::presentation::progress::{record, state_of_study};
-use crate::presentation::report::nominal_page::NominalView;
+use crate::presentation::report::nominal_page::before_results;
 use crate::presentation::report::{
     self, Figure, FigureFiles, LiveStatus, Page, ReportInput, SUMMARY_DOCUMENT,
 };
@@ -236,9 +236,8 @@ impl LivePage {
 
     /// The page before the first round of learning: the nominal mechanism against its limits.
     fn before_results(&self, reason: &str) -> Page {
-        let (evaluation, drawing) = (self.nominal(), self.drawing.as_ref());
-        let view = NominalView { scene: &self.scene, summary: self.blank.clone(), evaluation, drawing };
-        view.before_results(reason)
+        let input = ReportInput::of_one(&self.scene, self.blank.clone(), self.nominal().cloned());
+        before_results(&input, self.drawing.as_ref(), reason)
     }
 
     /// The evaluation at the means of the variables, which the study requests first.
@@ -282,7 +281,7 @@ impl LivePage {
     }
 
     /// The report of the evaluations in the file with this summary, or with the one in the file.
-    fn report(&self, summary: Option<&StudySummary>) -> Result<Page, report::ReportError> {
+    fn report(&self, summary: Option<&StudySummary>) -> Result<Page, StoreError> {
         let mut copy = CampaignFile::look(&self.dir)?;
         if let Some(summary) = summary {
             copy.put_document(SUMMARY_DOCUMENT, summary)?;

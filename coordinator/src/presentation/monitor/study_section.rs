@@ -3,7 +3,7 @@
 use crate::farm::allocation::scale_sentence;
 use crate::farm::dispatch::{StatusBoard, StatusHandle};
 use crate::presentation::format::{count, duration, in_columns};
-use crate::presentation::progress::{RemainingTime, most_evaluations, per_second, reliability_so_far};
+use crate::presentation::progress::{most_evaluations, per_second, reliability_so_far, remaining_time};
 use crate::presentation::report::table;
 use common::wire::{FarmStatus, Phase, Status, StudyStatus, WorkerStatus};
 use maud::{Markup, html};
@@ -27,10 +27,10 @@ pub fn study_section(study: &StudyStatus, status: Option<&Status>) -> Markup {
                 (count(*done)) " of at most " (count(most)) " evaluations"
                 @if !purpose.is_empty() { " (" (purpose) ")" }
                 @if let Some(rate) = rate { ", " (per_second(rate)) }
-                @match (phase, RemainingTime::of(study, rate)) {
+                @match (phase, remaining_time(study, rate)) {
                     (Some(Phase::Ending), _) => { ", computing the results" }
-                    (_, Some(left)) => {
-                        ", " (left) @if let Some(status) = status { (clock(status.clock_ms, left.seconds, left.is_bound)) }
+                    (_, Some((seconds, left))) => {
+                        ", " (left) @if let Some(status) = status { (clock(status.clock_ms, seconds, most > study.planned)) }
                     }
                     (Some(Phase::Waiting), None) => { ", waiting for workers" }
                     _ => {}
@@ -141,8 +141,8 @@ fn write_status(text: &mut String, status: &Status) -> std::fmt::Result {
     let (queued, under_way, slots) = (count(farm.queued), count(farm.under_way), count(farm.slots()));
     writeln!(text, "queue: {queued} waiting, {under_way} running on {slots} slots")?;
     if farm.rate > 0.0 {
-        let left = RemainingTime::of(study, Some(farm.rate));
-        let remaining = left.map(|left| format!(", {left}")).unwrap_or_default();
+        let left = remaining_time(study, Some(farm.rate));
+        let remaining = left.map(|(_, left)| format!(", {left}")).unwrap_or_default();
         writeln!(text, "rate: {} in the last minute{remaining}", per_second(farm.rate))?;
     }
     if let Some(so_far) = &study.reliability {

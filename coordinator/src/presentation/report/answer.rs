@@ -2,10 +2,9 @@
 
 use super::figures::compared;
 use super::page::{self, wrapped};
-use super::{ComparedStudy, Figure, table};
-use super::{ReportError, write_figures};
+use super::{ComparedStudy, Figure, table, write_figures};
 use crate::presentation::format::{in_columns, joined};
-use crate::results::result_files::{create_folder, write_text};
+use crate::results::result_files::{ResultFileError, create_folder, write_text};
 use maud::{Markup, html};
 use std::path::{Path, PathBuf};
 
@@ -168,8 +167,8 @@ impl Answer {
     /// and the further files into the folder `dir`, which is created if missing; returns the path of the page.
     ///
     /// # Errors
-    /// [`ReportError`].
-    pub fn write(&self, dir: &Path) -> Result<PathBuf, ReportError> {
+    /// [`ResultFileError`].
+    pub fn write(&self, dir: &Path) -> Result<PathBuf, ResultFileError> {
         let drawn = self.all_figures();
         create_folder(dir)?;
         if !drawn.is_empty() {

@@ -23,16 +23,8 @@ const LONGEST: usize = 21;
 /// Half-length of the error lines [standard errors].
 const REACH: f64 = 1.96;
 
-/// The two bars of one variable.
-#[derive(Debug, Clone, PartialEq)]
-pub struct BarPair {
-    /// Name of the variable.
-    pub name: String,
-    /// Lengths of its bars.
-    pub values: [f64; 2],
-    /// Their standard errors.
-    pub errors: [f64; 2],
-}
+/// The two bars of one variable: its name, their lengths, and the standard errors of these.
+pub type BarPair = (String, [f64; 2], [f64; 2]);
 
 /// A chart of pairs of bars.
 pub struct Bars<'a> {
@@ -55,9 +47,9 @@ impl Bars<'_> {
     pub fn figure(&self, title: &str, caption: &str) -> Figure {
         let [first, second] = self.labels;
         let errors = self.labels.map(|label| format!("{label}, standard error"));
-        let row = |pair: &BarPair| {
-            let ([a, b], [da, db]) = (pair.values.map(number), pair.errors.map(number));
-            vec![pair.name.clone(), a, da, b, db]
+        let row = |(name, values, errors): &BarPair| {
+            let ([a, b], [da, db]) = (values.map(number), errors.map(number));
+            [name.clone(), a, da, b, db]
         };
         let csv = csv(&["variable", first, &errors[0], second, &errors[1]], self.all.iter().map(row));
         let [name, title, caption] = [self.figure, title, caption].map(str::to_owned);
@@ -66,21 +58,22 @@ impl Bars<'_> {
 
     fn drawing(&self) -> Drawing {
         let rows = &self.all[..self.shown.min(self.all.len())];
-        let longest = rows.iter().flat_map(|pair| pair.values).map(f64::abs).fold(0.0, f64::max);
+        let longest =
+            rows.iter().flat_map(|(_, values, _)| values).map(|value| value.abs()).fold(0.0, f64::max);
         let longest = if longest > 0.0 { 1.12 * longest } else { 1.0 };
         let inks = [Ink::Series(0), Ink::Series(1)];
-        let names: Vec<String> = rows.iter().map(|pair| pair.name.clone()).collect();
+        let names: Vec<String> = rows.iter().map(|(name, ..)| name.clone()).collect();
         let meaning =
             |bar: usize| Series::new(self.labels[bar], inks[bar], Shape::Steps(vec![])).filled(0.75);
         let (range, legend) = (if self.signed { -longest } else { 0.0 }..longest, &[0, 1].map(meaning));
         let chart =
             NamedRows { names: &names, row: ROW, legend, axis: self.axis, range: range.clone(), ticks: 6 };
         chart.draw(|chart| {
-            for (k, pair) in rows.iter().enumerate() {
+            for (k, (_, values, errors)) in rows.iter().enumerate() {
                 let top = (rows.len() - k) as f64;
                 for (bar, ink) in inks.into_iter().enumerate() {
                     let (from, to) = (top - 0.12 - 0.4 * bar as f64, top - 0.46 - 0.4 * bar as f64);
-                    let (value, reach) = (pair.values[bar], REACH * pair.errors[bar]);
+                    let (value, reach) = (values[bar], REACH * errors[bar]);
                     chart.draw_series([Rectangle::new([(0.0, from), (value, to)], ink.rgb().filled())])?;
                     let ends = [value - reach, value + reach].map(|x| x.clamp(range.start, longest));
                     let line = ends.map(|x| (x, 0.5 * (from + to)));
@@ -164,11 +157,8 @@ mod tests {
 
     #[test]
     fn the_numbers_hold_all_and_the_drawing_the_first() {
-        let pair = |k: usize| BarPair {
-            name: format!("variable {k}, {}", "long".repeat(k)),
-            values: [0.1 / (k + 1) as f64, -0.2],
-            errors: [0.01, 0.0],
-        };
+        let name = |k: usize| format!("variable {k}, {}", "long".repeat(k));
+        let pair = |k: usize| (name(k), [0.1 / (k + 1) as f64, -0.2], [0.01, 0.0]);
         let bars = Bars {
             figure: "f",
             labels: ["a", "b"],

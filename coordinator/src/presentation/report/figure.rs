@@ -1,6 +1,5 @@
 //! A figure of a report: a drawing with title and caption, and its numbers as CSV.
 
-use crate::results::csv_table::CsvTable;
 use maud::{Markup, PreEscaped, html};
 
 /// A drawing in SVG, in the light colours.
@@ -42,14 +41,4 @@ pub struct Figure {
     pub drawing: Drawing,
     /// Numbers shown, as CSV with a header.
     pub csv: String,
-}
-
-/// CSV text with these columns and rows.
-pub fn csv<C: AsRef<str>, R: AsRef<str>>(
-    columns: impl IntoIterator<Item = C>,
-    rows: impl IntoIterator<Item: IntoIterator<Item = R>>,
-) -> String {
-    let mut table = CsvTable::new(columns);
-    rows.into_iter().for_each(|row| table.push(row));
-    table.into_text()
 }

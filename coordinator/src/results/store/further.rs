@@ -5,8 +5,8 @@
 
 use super::leg::free_number;
 use super::read::COLUMNS;
-use super::{CampaignFile, StoreError, exact};
-use crate::farm::evaluate::{EvaluateError, EvaluationResult, Finished, Request};
+use super::{CampaignFile, StoreError, StoredEvaluation, exact};
+use crate::farm::evaluate::{EvaluateError, Finished, Request};
 use crate::results::journal::Journal;
 use rusqlite::{OptionalExtension, params};
 
@@ -29,38 +29,20 @@ impl Journal for FurtherEvaluations<'_> {
 }
 
 impl CampaignFile {
-    /// Calls `visit` with sample `(d,)` (SI) and outcome of every recorded evaluation at the working accuracy: first those of the study in the order
-    /// of their numbers, then the others in the order in which they were recorded.
+    /// Calls `visit` on every recorded evaluation at the working accuracy, or at finer levels if `is_finer`: first those of the study in the
+    /// order of their numbers, then the others in the order in which they were recorded.
     ///
     /// # Errors
     /// [`StoreError`].
     pub fn for_each_known(
         &self,
-        mut visit: impl FnMut(Vec<f64>, EvaluationResult),
+        is_finer: bool,
+        mut visit: impl FnMut(StoredEvaluation),
     ) -> Result<(), StoreError> {
-        self.each_known("= 0", |_, sample, outcome| visit(sample, outcome))
-    }
-
-    /// Calls `visit` with level, sample `(d,)` (SI) and outcome of every recorded evaluation at a finer level, in the same order.
-    ///
-    /// # Errors
-    /// [`StoreError`].
-    pub fn for_each_finer(
-        &self,
-        visit: impl FnMut(u8, Vec<f64>, EvaluationResult),
-    ) -> Result<(), StoreError> {
-        self.each_known("> 0", visit)
-    }
-
-    fn each_known(
-        &self,
-        level: &str,
-        mut visit: impl FnMut(u8, Vec<f64>, EvaluationResult),
-    ) -> Result<(), StoreError> {
-        let column = self.level_column();
+        let (column, level) = (self.level_column(), if is_finer { "> 0" } else { "= 0" });
         let rest = format!("WHERE stricter < 2 AND {column} {level} ORDER BY id < 0, abs(id)");
         self.each(&rest, |stored| {
-            visit(stored.level, stored.sample, stored.outcome);
+            visit(stored);
             Ok(())
         })
     }

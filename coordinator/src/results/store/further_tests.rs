@@ -34,7 +34,7 @@ fn further_evaluations_are_kept_and_leave_the_study_alone() {
     // All are found again, also by a reader, the study's own first.
     let file = CampaignFile::look(dir.path()).unwrap();
     let mut samples = Vec::new();
-    file.for_each_known(|sample, _| samples.push(sample)).unwrap();
+    file.for_each_known(false, |stored| samples.push(stored.sample)).unwrap();
     let expected: Vec<Vec<f64>> = [0, 1, 2, 91, 92].map(|id| request(id).sample).to_vec();
     assert_eq!(samples, expected);
     drop(file);

@@ -2,7 +2,6 @@
 
 use super::exact::OutcomeFault;
 use super::read::{COLUMNS, EvaluationColumns};
-use super::value_tables::{insert_statement, states_errors, write_rows};
 use super::{CampaignFile, StoreError, exact};
 use crate::farm::evaluate::{EvaluateError, Finished, Request};
 use crate::results::journal::Journal;
@@ -214,4 +213,35 @@ impl CampaignFile {
 /// SQLite's integers are signed; numbers of evaluations are far below their range.
 fn to_key(id: u64) -> i64 {
     i64::try_from(id).expect("evaluations are numbered from 0 upwards, one by one")
+}
+
+/// Whether an evaluation states an error of every value.
+fn states_errors(evaluation: &Evaluation) -> bool {
+    let lengths = |rows: &[Vec<f64>]| rows.iter().map(Vec::len).collect::<Vec<_>>();
+    lengths(&evaluation.errors) == lengths(&evaluation.histories)
+}
+
+/// One row per checkpoint, from values `(outputs, m)`.
+fn write_rows(
+    transaction: &Transaction<'_>,
+    table: &str,
+    outputs: &[String],
+    key: i64,
+    cycles: &[u32],
+    values: &[Vec<f64>],
+) -> rusqlite::Result<()> {
+    let sql = insert_statement(table, "evaluation, cycles", outputs);
+    let mut statement = transaction.prepare_cached(&sql)?;
+    for (row, cycles) in cycles.iter().enumerate() {
+        let own = [key.into(), i64::from(*cycles).into()].into_iter();
+        statement.execute(params_from_iter(own.chain(values.iter().map(|of| Value::from(of[row])))))?;
+    }
+    Ok(())
+}
+
+/// Names by position, values by parameter: `own` columns of the table first, then `columns`.
+fn insert_statement(table: &str, own: &str, columns: &[String]) -> String {
+    let names: Vec<&str> = own.split(", ").chain(columns.iter().map(String::as_str)).collect();
+    let places: Vec<String> = (1..=names.len()).map(|k| format!("?{k}")).collect();
+    format!("INSERT INTO {table} ({}) VALUES ({})", names.join(", "), places.join(", "))
 }

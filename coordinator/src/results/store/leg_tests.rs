@@ -50,10 +50,15 @@ fn a_leg_takes_its_outcomes_from_other_numbers() {
     let file = CampaignFile::open(dir.path()).unwrap();
     assert_eq!(file.meta().settings["max_evaluations"], 9);
     assert_eq!(file.meta().command, meta().command);
-    let legs = file.legs().unwrap();
-    let shown: Vec<_> = legs.iter().map(|leg| (leg.number, leg.evaluations, leg.command.as_str())).collect();
+    let sql = "SELECT number, evaluations, command, settings FROM leg ORDER BY number";
+    let mut statement = file.connection.prepare(sql).unwrap();
+    let legs = statement.query_map([], |row| row.try_into()).unwrap();
+    let legs: Vec<(i64, i64, String, String)> = legs.map(Result::unwrap).collect();
+    let shown: Vec<_> =
+        legs.iter().map(|(number, before, command, _)| (*number, *before, &**command)).collect();
     assert_eq!(shown, [(1, 0, "coordinator run --scene two"), (2, 6, "coordinator resume")]);
-    assert_eq!(legs[0].settings, meta().settings);
+    assert_eq!(legs[0].3, meta().settings.to_string());
+    assert_eq!(file.leg_versions().unwrap(), [meta().version, "0.2".to_owned()]);
 }
 
 #[test]
@@ -84,8 +89,8 @@ fn levels_of_a_sample_are_other_evaluations_and_earlier_files_have_none() {
     assert_eq!((file.count().unwrap(), file.working_count().unwrap()), (3, 2));
     let of_file = |file: &CampaignFile| {
         let (mut working, mut levels) = (0, vec![]);
-        file.for_each_known(|_, _| working += 1).unwrap();
-        file.for_each_finer(|level, sample, _| levels.push((level, sample))).unwrap();
+        file.for_each_known(false, |_| working += 1).unwrap();
+        file.for_each_known(true, |stored| levels.push((stored.level, stored.sample))).unwrap();
         (working, levels)
     };
     assert_eq!(of_file(&file), (2, vec![(1, finer.sample.clone())]));

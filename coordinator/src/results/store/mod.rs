@@ -18,17 +18,14 @@ mod journal;
 mod leg;
 #[cfg(test)]
 mod leg_tests;
-mod migration;
 mod read;
 mod schema;
 #[cfg(test)]
 mod tests;
-mod value_tables;
 
 pub use connection::FILE_NAME;
 pub use error::{StoreError, is_unusable_path};
 pub use further::FurtherEvaluations;
-pub use leg::Leg;
 pub use read::StoredEvaluation;
 
 use crate::farm::evaluate::EvaluationResult;
@@ -135,10 +132,10 @@ impl CampaignFile {
     fn from_connection(dir: &Path, mut connection: Connection, lock: File) -> Result<Self, StoreError> {
         let path = dir.join(FILE_NAME);
         if layout(&path, &connection)? < schema::SCHEMA_VERSION {
-            migration::migrate(&mut connection).map_err(StoreError::of(&path))?;
+            schema::migrate(&mut connection).map_err(StoreError::of(&path))?;
         }
         make_durable(&connection).map_err(StoreError::of(&path))?;
-        Self::read(dir, connection, Held::Lock(lock))
+        Self::read(dir, connection, Box::new(lock))
     }
 
     fn read(dir: &Path, connection: Connection, held: Held) -> Result<Self, StoreError> {
@@ -165,8 +162,8 @@ impl CampaignFile {
             dir: dir.into(),
             meta,
             created_at: value("created_at")?,
-            inputs: value_tables::table_columns(&connection, "input").map_err(failed)?,
-            outputs: value_tables::table_columns(&connection, "output").map_err(failed)?,
+            inputs: schema::table_columns(&connection, "input").map_err(failed)?,
+            outputs: schema::table_columns(&connection, "output").map_err(failed)?,
             has_levels: layout(&path, &connection)? == schema::SCHEMA_VERSION,
             connection,
             log_written: None,
@@ -291,7 +288,7 @@ fn layout(path: &Path, connection: &Connection) -> Result<i64, StoreError> {
         return Err(StoreError::NotACampaign(path.into()));
     }
     match pragma("user_version")? {
-        known @ migration::FROM..=schema::SCHEMA_VERSION => Ok(known),
+        known @ schema::EARLIEST_VERSION..=schema::SCHEMA_VERSION => Ok(known),
         found => {
             let program = schema::program_version(connection);
             Err(StoreError::SchemaVersion { path: path.into(), found, program })

@@ -2,7 +2,7 @@
 
 use super::report_input;
 use crate::presentation::report::{ReportInput, SimulatedSample};
-use crate::results::point_summary::{CoordinateRow, FailurePointRow, PredictionRow};
+use crate::results::summary_rows::{CoordinateRow, FailurePointRow, PredictionRow};
 use common::random::RandomVariable;
 use common::scene::Scene;
 

@@ -163,13 +163,13 @@ fn appendix(page: &mut Page, input: &ReportInput) {
 /// Adds the motion of the nominal mechanism. Returns the data of the animation and its script, for the end of the page.
 pub fn motion(page: &mut Page, input: &ReportInput) -> Markup {
     page.begin("The mechanism");
-    let Some(motion) = animation(input) else {
+    let Some((figure, data)) = animation(input) else {
         page.add(html! { p.none { "The nominal evaluation does not include the motion of every body." } });
         return html! {};
     };
-    page.add_moving(motion.figure, controls());
+    page.add_moving(figure, controls());
     html! {
-        script type="application/json" id="motion" { (PreEscaped(motion.data)) } "\n"
+        script type="application/json" id="motion" { (PreEscaped(data)) } "\n"
         script { "\n" (PreEscaped(SCRIPT)) } "\n"
     }
 }

@@ -5,7 +5,7 @@ use crate::presentation::report::format::{
     UNKNOWN, fixed, joined, number_of_cycles, percent, seven_digits, three_digits, unit_scale,
 };
 use crate::presentation::report::{Page, ReportInput, captioned, table};
-use crate::results::point_summary::{CoordinateRow, FailurePointRow};
+use crate::results::summary_rows::{CoordinateRow, FailurePointRow};
 use common::random::RandomVariable;
 use maud::{Markup, html};
 

@@ -26,8 +26,8 @@ pub use labels::{Label, LabelArea, PlacedLabel};
 pub use sheet::{MechanismSheet, sheet};
 pub use sketch::sketch;
 
-use super::figure::{Figure, csv};
 use super::format::joined;
+use super::{Figure, csv};
 use crate::results::csv_table::number;
 use common::scene::Scene;
 

@@ -6,7 +6,7 @@ use super::geometry::{
 };
 use super::labels::{Label, LabelArea, LetterSize, PlacedLabel, place_labels};
 use super::symbols::{self, arrow, coordinate, path_along};
-use crate::presentation::report::format::{three_digits, unit_scale};
+use crate::presentation::report::format::{three_digits, unit_scale, without_zeros};
 use crate::presentation::report::mechanism::extent;
 use crate::presentation::report::{Drawing, Ink};
 use maud::{Markup, html};
@@ -151,11 +151,7 @@ pub fn length_in_words(length: f64, unit: &str) -> String {
         l if l >= 0.9995e-3 => (1e3 * l, "mm"),
         l => (1e6 * l, "µm"),
     };
-    // The digits of three, without trailing zeros.
-    let digits = three_digits(value);
-    let short =
-        if digits.contains('.') { digits.trim_end_matches('0').trim_end_matches('.') } else { &digits };
-    format!("{short}\u{a0}{unit}")
+    format!("{}\u{a0}{unit}", without_zeros(&three_digits(value)))
 }
 
 /// Points along a line, close enough that no letter fits between two.

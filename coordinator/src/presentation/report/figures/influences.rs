@@ -7,7 +7,7 @@ use crate::presentation::report::bars::{NamedRows, shortened};
 use crate::presentation::report::format::{count, number_of_cycles};
 use crate::presentation::report::plot::px;
 use crate::presentation::report::{
-    BarPair, Bars, Drawing, Figure, Ink, ReportInput, Series, Shape, SimulatedSample, csv,
+    Bars, Drawing, Figure, Ink, ReportInput, Series, Shape, SimulatedSample, csv,
 };
 use crate::results::csv_table::number;
 use crate::results::summary::{SensitivityRow, SobolRow};
@@ -68,10 +68,9 @@ pub fn sensitivities(input: &ReportInput) -> Vec<Figure> {
             rows.len()
         );
         // The errors of the derivatives, on the scale of the scaled derivatives.
-        let pair = |row: &&SensitivityRow| BarPair {
-            name: words(&row.variable),
-            values: [finite(row.scaled.d_pf_d_mean), finite(row.scaled.d_pf_d_std)],
-            errors: row.scaled_errors().map(finite),
+        let pair = |row: &&SensitivityRow| {
+            let values = [row.scaled.d_pf_d_mean, row.scaled.d_pf_d_std].map(finite);
+            (words(&row.variable), values, row.scaled_errors().map(finite))
         };
         let (figure, all) = (&format!("sensitivity-{}", file_name(name)), rows.iter().map(pair).collect());
         let (labels, axis) = (["mean", "std"], "derivative of failure probability, times std");
@@ -96,10 +95,9 @@ pub fn variance_contributions(input: &ReportInput) -> Vec<Figure> {
             rows.len().min(SHOWN),
             rows.len()
         );
-        let pair = |row: &&SobolRow| BarPair {
-            name: words(&row.variable),
-            values: [finite(row.first_order), finite(row.total)],
-            errors: [finite(row.standard_error.first_order), finite(row.standard_error.total)],
+        let pair = |row: &&SobolRow| {
+            let errors = [row.standard_error.first_order, row.standard_error.total].map(finite);
+            (words(&row.variable), [row.first_order, row.total].map(finite), errors)
         };
         let (figure, all) = (&format!("sobol-{}", file_name(&state.name)), rows.iter().map(pair).collect());
         let (labels, axis) = (["first order", "total"], "share of the variance");

@@ -59,14 +59,9 @@ impl LifeAxis {
         }
     }
 
-    /// Number on the axis of a life [cycles].
-    pub fn place(&self, cycles: u32) -> f64 {
-        self.place_time(cycles.into())
-    }
-
-    /// Number on the axis of a time between two cycles [cycles].
-    pub fn place_time(&self, cycles: f64) -> f64 {
-        cycles / self.divisor
+    /// Number on the axis of a life, or of a time between two cycles [cycles].
+    pub fn place(&self, cycles: impl Into<f64>) -> f64 {
+        cycles.into() / self.divisor
     }
 }
 

@@ -30,7 +30,7 @@ fn along(summary: &StudySummary, curve: &LifeCurveRow, axis: &LifeAxis, values: 
         let (t0, t1) = (curve.cycles[next - 1], curve.cycles[next]);
         values[next - 1] + (time - t0) / (t1 - t0) * (values[next] - values[next - 1])
     };
-    times.into_iter().map(|time| (axis.place_time(time), value(time))).collect()
+    times.into_iter().map(|time| (axis.place(time), value(time))).collect()
 }
 
 /// R of a curve at a checkpoint, (x, R), and its 95 % interval there, (x, lower, upper).

@@ -1,9 +1,8 @@
 //! The series of a chart, and their numbers as CSV.
 
 use super::axis::Axis;
-use crate::presentation::report::figure;
 use crate::presentation::report::palette::Ink;
-use crate::results::csv_table::number;
+use crate::results::csv_table::{self, number};
 
 /// Points of a curve.
 pub type Points = Vec<(f64, f64)>;
@@ -113,7 +112,7 @@ pub(super) fn csv(series: &[Series], x: &Axis<'_>, y: &Axis<'_>) -> String {
     let mut head = vec!["series"];
     head.extend(used.iter().map(|k| columns[*k].as_str()).chain(has_marks.then_some("mark")));
     let scales = [x, y, y, x].map(|axis| axis.scale);
-    figure::csv(
+    csv_table::csv(
         &head,
         rows.iter().map(|(label, (numbers, mark))| {
             let value =
