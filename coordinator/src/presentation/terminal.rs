@@ -215,8 +215,8 @@ mod tests {
     use super::*;
     use crate::tests::test_study;
 
-    fn batch(size: usize, planned: usize, purpose: &str) -> Progress {
-        Progress::BatchStarted { size, planned, budget: 400, purpose: purpose.into() }
+    fn batch(planned: usize, purpose: &str) -> Progress {
+        Progress::BatchStarted { planned, budget: 400, purpose: purpose.into() }
     }
 
     fn evaluated(done: usize, recalled: bool) -> Progress {
@@ -230,7 +230,7 @@ mod tests {
     #[test]
     fn evaluations_have_at_most_one_line_in_ten_seconds() {
         let mut text = ProgressText::default();
-        let first = text.line(seconds(0), &batch(120, 120, "initial design")).unwrap();
+        let first = text.line(seconds(0), &batch(120, "initial design")).unwrap();
         assert_eq!(first, "0/400 evaluations, initial design");
         let lines: Vec<String> =
             (1..=60).filter_map(|k| text.line(seconds(k), &evaluated(k as usize, false))).collect();
@@ -241,7 +241,7 @@ mod tests {
     #[test]
     fn every_round_has_its_line() {
         let mut text = ProgressText::default();
-        text.line(seconds(0), &batch(1, 1, "round 3"));
+        text.line(seconds(0), &batch(1, "round 3"));
         let lines: Vec<String> = test_study::study()
             .summary
             .convergence
@@ -264,7 +264,7 @@ mod tests {
             assert_eq!(text.line(seconds(0), &evaluated(done, true)), None);
         }
         // The first line of a resumed study does not begin at 0.
-        let first = text.line(seconds(0), &batch(20, 120, "initial design")).unwrap();
+        let first = text.line(seconds(0), &batch(120, "initial design")).unwrap();
         assert_eq!(first, "100/400 evaluations, initial design, 1 failed, 100 from the campaign file");
         assert!(!text.state(seconds(1)).contains("/s"));
         text.line(seconds(10), &evaluated(101, false));
@@ -278,7 +278,7 @@ mod tests {
     #[test]
     fn issue_80_columns_cut_off_rate_error_and_time() {
         let mut text = ProgressText::default();
-        text.line(seconds(0), &batch(12, 384, "round 21"));
+        text.line(seconds(0), &batch(384, "round 21"));
         for done in 1..=372 {
             text.record(seconds(1000), &evaluated(done, false));
         }
@@ -292,7 +292,7 @@ mod tests {
         assert!(seen.starts_with(parts), "{seen}");
         // A direct simulation ends when its plan is carried out.
         let mut direct = ProgressText::default();
-        direct.record(seconds(0), &batch(400, 400, "simulations"));
+        direct.record(seconds(0), &batch(400, "simulations"));
         direct.record(seconds(100), &evaluated(100, false));
         assert!(direct.state(seconds(100)).starts_with("100/400 evaluations, 5 min 00 s left, 1.00/s"));
         direct.record(seconds(100), &Progress::Ending);
@@ -305,7 +305,7 @@ mod tests {
         bar.set_style(style());
         let (text, start) = (ProgressText::default(), Instant::now());
         let mut terminal = Terminal { text, start, quiet: false, bar: Some(bar.clone()) };
-        terminal.notice(&batch(120, 120, "initial design"));
+        terminal.notice(&batch(120, "initial design"));
         terminal.notice(&evaluated(7, true));
         assert_eq!((bar.length(), bar.position()), (Some(400), 7));
         let shown = bar.message();
@@ -317,7 +317,7 @@ mod tests {
     #[test]
     fn warnings_are_printed_at_once() {
         let mut text = ProgressText::default();
-        text.line(seconds(0), &batch(1, 1, ""));
+        text.line(seconds(0), &batch(1, ""));
         let line = text.line(seconds(1), &Progress::Warning("no worker".into()));
         assert_eq!(line.unwrap(), "warning: no worker");
     }

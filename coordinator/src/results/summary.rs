@@ -115,12 +115,6 @@ pub struct StudySummary {
 }
 
 impl StudySummary {
-    /// Largest number of workers that simulated in one run of the study.
-    pub fn workers_in_a_run(&self) -> usize {
-        let most = self.timing_s.workers as usize;
-        if most == 0 { self.workers.len() } else { most }
-    }
-
     /// Sets what identifies the study: its scene, the text of the scene, and the time when the study began.
     pub fn identify(&mut self, scene: &Scene, source: &str, created: &str) {
         self.schema = SCHEMA;

@@ -59,16 +59,6 @@ pub struct UntestedRow {
     pub predicted: f64,
 }
 
-/// Share of the variance above which the noise of the simulations costs more than a finer accuracy [1].
-const MUCH_NOISE: f64 = 0.02;
-
-impl SurrogateRow {
-    /// The share of noise in the simulations, if it is large enough to limit learning [1].
-    pub fn much_noise(&self) -> Option<f64> {
-        self.noise_share.filter(|share| *share > MUCH_NOISE)
-    }
-}
-
 /// Simulated values of a limit state's output at one checkpoint, and the predictions of its surrogate at the end of the study, each
 /// from all other simulations; arrays over the simulations in the order of their numbers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -192,11 +182,4 @@ pub struct OutlierEvaluation {
     pub value: Option<f64>,
     /// True if it agrees with what the study uses.
     pub used: bool,
-}
-
-impl OutlierRow {
-    /// True if the study uses the outlier because another evaluation agrees with it.
-    pub fn is_confirmed(&self) -> bool {
-        self.evaluations.first().is_some_and(|first| first.used)
-    }
 }

@@ -1,7 +1,7 @@
 //! The answer of a command: texts, tables and figures in their order, on a terminal, in Markdown and as a page.
 
 use super::figures::compared;
-use super::page::{self, wrapped};
+use super::page::{self, Page};
 use super::{ComparedStudy, Figure, table, write_figures};
 use crate::presentation::format::{in_columns, joined};
 use crate::results::result_files::{ResultFileError, create_folder, write_text};
@@ -160,7 +160,7 @@ impl Answer {
                 }
             }
         };
-        wrapped(&self.title, &body)
+        Page::new(&self.title, body).html(None)
     }
 
     /// Writes the page as `NAME.html`, the text as `NAME.md`, the figures as `figures/*.svg` with their numbers as `figures/*.csv`,

@@ -1,6 +1,6 @@
 //! A chart of pairs of horizontal bars with their errors, one pair per variable.
 
-use super::plot::{DrawError, LETTERS, draw, legend, letters, px, stroke};
+use super::plot::{DrawError, draw, draw_legend, legend, legend_height, letters, px, stroke};
 use super::{Drawing, Figure, Ink, Series, Shape, csv, tick_label};
 use crate::results::csv_table::number;
 use plotters::coord::types::RangedCoordf64;
@@ -112,7 +112,7 @@ impl NamedRows<'_> {
         // A tick that is the sum of steps misses 0 by their rounding.
         let rounding = 1e-9 * (self.range.end - self.range.start);
         let tick = |value: &f64| tick_label(if value.abs() < rounding { 0.0 } else { *value });
-        let top = 10.0 + 20.0 * legend.rows as f64;
+        let top = 10.0 + legend_height(&legend);
         draw(self.row * count + top + AXIS, |root| {
             let mut chart = ChartBuilder::on(root)
                 .margin_top(px(top))
@@ -128,19 +128,19 @@ impl NamedRows<'_> {
                 .max_light_lines(0)
                 .bold_line_style(stroke(Ink::Grid, 1.0))
                 .axis_style(stroke(Ink::Muted, 1.0))
-                .label_style(letters(LETTERS, Ink::Muted))
-                .axis_desc_style(letters(LETTERS, Ink::Ink))
+                .label_style(letters(Ink::Muted))
+                .axis_desc_style(letters(Ink::Ink))
                 .set_all_tick_mark_size(px(4.0))
                 .x_label_formatter(&tick)
                 .x_desc(self.axis)
                 .draw()?;
             paint(&mut chart)?;
-            let right = letters(LETTERS, Ink::Ink).pos(Pos::new(HPos::Right, VPos::Center));
+            let right = letters(Ink::Ink).pos(Pos::new(HPos::Right, VPos::Center));
             for (k, name) in self.names.iter().enumerate() {
                 let middle = px(top + self.row * (k as f64 + 0.5));
                 root.draw(&Text::new(shortened(name), (px(NAMES - 7.0), middle), right.clone()))?;
             }
-            legend.draw_on(root)
+            draw_legend(&legend, root)
         })
     }
 }

@@ -2,7 +2,7 @@
 //! study from the documents `summary` and `distributions`. The report of a finished study needs no new evaluation.
 
 use super::format::words;
-use super::stated_errors::StatedErrorCollector;
+use super::stated_errors::{add_errors, over_life};
 use super::untested::{no_simulated_failure, steps_and_noise};
 use super::{StatedAt, WrittenScene};
 use crate::presentation::motion_cautions::{control_points_notes, motion_cautions};
@@ -42,14 +42,9 @@ pub struct CheckpointDistribution {
     pub quantiles: Vec<(f64, f64)>,
 }
 
-/// A simulation with a result.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SimulatedSample {
-    /// Values of the random variables, in the scene's order `(d,)` [SI].
-    pub values: Vec<f64>,
-    /// Checkpoint by which each limit state has failed, if it has `(limit states,)` [cycles].
-    pub failed_at: Vec<Option<u32>>,
-}
+/// A simulation with a result: values of the random variables, in the scene's order `(d,)` [SI], and checkpoint by which each limit state has
+/// failed, if it has `(limit states,)` [cycles].
+pub type SimulatedSample = (Vec<f64>, Vec<Option<u32>>);
 
 /// Work of all evaluations with a result, summed.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -110,7 +105,7 @@ impl ReportInput {
         input.explicit = campaign.document::<Option<ExplicitModel>>(EXPLICIT_DOCUMENT)?.flatten();
         input.meta = campaign.meta().clone();
         input.written = WrittenScene::new(&input.meta.scene_source);
-        let mut stated = StatedErrorCollector::default();
+        let (mut checkpoints, mut stated) = (vec![], vec![]);
         campaign.for_each(|stored| {
             if stored.level > 0 {
                 return Ok(());
@@ -118,9 +113,9 @@ impl ReportInput {
             match stored.outcome {
                 Ok(evaluation) => {
                     input.work.add(&evaluation.diagnostics, stored.wall);
-                    stated.add(&evaluation);
-                    let failed_at = failures_of(scene, &evaluation);
-                    input.samples.push(SimulatedSample { values: stored.sample, failed_at });
+                    add_errors(&mut stated, &evaluation.errors);
+                    checkpoints.clone_from(&evaluation.cycles);
+                    input.samples.push((stored.sample, failures_of(scene, &evaluation)));
                     if stored.id == 0 {
                         input.notes.extend(cautions(&evaluation.diagnostics));
                         input.nominal = Some(evaluation);
@@ -132,7 +127,7 @@ impl ReportInput {
             }
             Ok::<(), StoreError>(())
         })?;
-        input.stated = stated.over_life();
+        input.stated = over_life(&checkpoints, stated);
         Ok(Some(input))
     }
 

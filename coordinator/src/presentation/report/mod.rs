@@ -7,7 +7,6 @@ mod bars;
 mod chapters;
 pub mod compare;
 pub mod drawing;
-mod figure;
 mod figures;
 mod input;
 pub mod levels;
@@ -33,14 +32,13 @@ pub use super::format;
 pub use crate::results::csv_table::csv;
 pub use answer::{Answer, AnswerPart, Table};
 pub use chapters::page as render;
-pub use figure::{Drawing, Figure};
 pub use figures::{ComparedStudy, LifeAxis, VaryingLoads, reliability as reliability_figure};
 pub use input::{
     CheckpointDistribution, DISTRIBUTIONS_DOCUMENT, EXPLICIT_DOCUMENT, ReportInput, SUMMARY_DOCUMENT,
     SimulatedSample, WorkTotals,
 };
 pub use life::{failure_probability, reliability};
-pub use page::{FigureFiles, LiveStatus, Page, captioned, standalone, wrapped};
+pub use page::{Drawing, Figure, LiveStatus, Page, captioned, standalone};
 pub use palette::{Ink, SERIES};
 pub use plot::{Axis, Band, Plot, Points, Scale, Series, Shape, tick_label};
 pub use stated_errors::StatedAt;
@@ -62,8 +60,8 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// [`ResultFileError`].
 pub fn write(dir: &Path, input: &ReportInput) -> Result<PathBuf, ResultFileError> {
-    let page = render(input, FigureFiles::NextToPage);
-    write_figures(dir, page.figures())?;
+    let page = render(input, true);
+    write_figures(dir, &page.figures)?;
     let path = dir.join("report.html");
     write_text(&path, &page.html(None))?;
     Ok(path)

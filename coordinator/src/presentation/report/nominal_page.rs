@@ -3,7 +3,7 @@
 
 use super::figures;
 use super::format::{UNKNOWN, count, joined, whole, with_unit};
-use super::{Figure, FigureFiles, Page, ReportInput, captioned};
+use super::{Figure, Page, ReportInput, captioned};
 use super::{chapters, studied, tables};
 use crate::presentation::nominal_life::{NominalLife, nominal_lives};
 use maud::{Markup, html};
@@ -11,7 +11,7 @@ use maud::{Markup, html};
 /// The page before the first results of a study, with the reason why there are none; `drawing` is that of the mechanism as long as there is
 /// no evaluation.
 pub fn before_results(input: &ReportInput, drawing: Option<&Figure>, reason: &str) -> Page {
-    let mut page = Page::new(&input.scene.title, chapters::header(input), FigureFiles::Absent);
+    let mut page = Page::new(&input.scene.title, chapters::header(input));
     page.add(html! { p.none { (reason) } });
     begin(&mut page, input, drawing);
     page
@@ -27,7 +27,7 @@ pub fn page(input: &ReportInput, facts: &[(&str, String)], source: &str) -> Page
             p.meta { "Simulation of one mechanism, scene " code { (scene.name) } }
         }
     };
-    let mut page = Page::new(&scene.title, header, FigureFiles::Absent);
+    let mut page = Page::new(&scene.title, header);
     let rows = facts.iter().map(|(name, value)| [*name, value]);
     page.add(captioned("facts", "The simulation", tables::table_of_text(&["item", "value"], rows)));
     begin(&mut page, input, None);

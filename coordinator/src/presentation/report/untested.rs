@@ -35,10 +35,14 @@ pub fn no_simulated_failure(summary: &StudySummary) -> Option<String> {
     ))
 }
 
+/// Share of the variance above which the noise of the simulations limits learning and costs more than a finer accuracy [1].
+const MUCH_NOISE: f64 = 0.02;
+
 /// A line per limit state whose output has steps at its limit, or whose simulations are noisy, with what helps.
 pub fn steps_and_noise(summary: &StudySummary) -> Vec<String> {
     let simulations = count((summary.evaluations.total - summary.evaluations.failed) as u64);
-    let line = |row: &SurrogateRow| match (row.different_values, row.outlier, row.much_noise()) {
+    let much = |share: &f64| *share > MUCH_NOISE;
+    let line = |row: &SurrogateRow| match (row.different_values, row.outlier, row.noise_share.filter(much)) {
         (Some(values), ..) => Some(format!(
             "steps: the output of {} has {} different values in {simulations} simulations and jumps at the limit, which surrogates \
              resolve with many simulations only; return the quantity behind it, before it is counted, rounded or compared",
@@ -77,10 +81,12 @@ fn repeated_outlier(summary: &StudySummary, row: &OutlierRow) -> String {
     };
     let names =
         |used: bool| joined(row.evaluations.iter().skip(1).filter(|one| one.used == used).map(name), ", ");
+    // The study uses an outlier with which another evaluation agrees.
+    let is_confirmed = row.evaluations.first().is_some_and(|first| first.used);
     let verdict = match row.evaluations.iter().filter(|one| one.used).count() {
         0 if row.evaluations.len() < 3 => format!("{}: the budget allowed no further one", names(false)),
         0 => format!("{}: no two agree, and the sample counts as failed", names(false)),
-        _ if row.is_confirmed() => format!("confirmed: {}", names(true)),
+        _ if is_confirmed => format!("confirmed: {}", names(true)),
         _ => format!("left out: {}; its worker or the simulator is at fault", names(true)),
     };
     let first = row.evaluations.first().map(name).unwrap_or_default();

@@ -6,14 +6,9 @@
 //! evaluation (milliseconds against seconds of simulation). Exclusion: a lock on `DIR/campaign.lock`, which the
 //! operating system releases when the process ends. Readers may open the database meanwhile.
 
-#[cfg(test)]
-mod bores_tests;
 mod connection;
 mod error;
 mod exact;
-mod further;
-#[cfg(test)]
-mod further_tests;
 mod journal;
 mod leg;
 #[cfg(test)]
@@ -25,7 +20,7 @@ mod tests;
 
 pub use connection::FILE_NAME;
 pub use error::{StoreError, is_unusable_path};
-pub use further::FurtherEvaluations;
+pub use journal::FurtherEvaluations;
 pub use read::StoredEvaluation;
 
 use crate::farm::evaluate::EvaluationResult;
@@ -149,14 +144,12 @@ impl CampaignFile {
             StoreError::Encoding(path.clone(), "settings".into(), error.to_string())
         };
         let settings = serde_json::from_str(&value("settings")?).map_err(unread)?;
-        let [scene, scene_source, command, version] =
-            ["scene", "scene_source", "command", "version"].map(value);
         let meta = CampaignMeta {
-            scene: scene?,
-            scene_source: scene_source?,
+            scene: value("scene")?,
+            scene_source: value("scene_source")?,
             settings,
-            command: command?,
-            version: version?,
+            command: value("command")?,
+            version: value("version")?,
         };
         Ok(Self {
             dir: dir.into(),

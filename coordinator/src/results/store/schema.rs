@@ -5,7 +5,7 @@
 //! leg but for its settings are also in `campaign`, whose settings are those of the last leg). `evaluation.stricter` is 1
 //! for the repetition of a failed simulation with finer time steps, and 2 for an outcome that does not fit the scene; `evaluation.level` is the level of accuracy, 0 for
 //! the working accuracy of the study. Numbers below zero are evaluations that are no part of
-//! the result, see [`super::leg`] and [`super::further`].
+//! the result, see [`super::leg`] and [`super::journal`].
 //!
 //! The columns `sample` and `outcome` of `evaluation` are what the program reads back: little-endian f64 and
 //! CBOR, exact to the last bit, where SQL's REAL would lose a negative zero and a NaN. The tables `input`,

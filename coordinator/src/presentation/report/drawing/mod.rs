@@ -22,7 +22,6 @@ mod tests;
 
 pub use dxf::dxf;
 pub use geometry::{DrawnBody, DrawnDrive, DrawnJoint, DrawnLoad, DrawnMechanism, LoadSymbol};
-pub use labels::{Label, LabelArea, PlacedLabel};
 pub use sheet::{MechanismSheet, sheet};
 pub use sketch::sketch;
 

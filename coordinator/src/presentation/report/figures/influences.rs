@@ -127,9 +127,9 @@ pub fn parallel_coordinates(input: &ReportInput) -> Option<Figure> {
     }
     let cycles = governing_cycles(input);
     let every = all.div_ceil(LINES);
-    let line = |sample: &SimulatedSample| -> DrawnLine {
-        let normals = variables.iter().map(|k| normal(input, sample, *k)).collect();
-        (normals, first_failure(input, sample, cycles))
+    let line = |(values, failed_at): &SimulatedSample| -> DrawnLine {
+        let normals = variables.iter().map(|k| normal(input, values, *k)).collect();
+        (normals, first_failure(input, failed_at, cycles))
     };
     let lines: Vec<DrawnLine> = input.samples.iter().step_by(every).map(line).collect();
     let failed = lines.iter().filter(|(_, failed)| failed.is_some()).count();
@@ -158,15 +158,15 @@ pub fn parallel_coordinates(input: &ReportInput) -> Option<Figure> {
 type DrawnLine = (Vec<f64>, Option<String>);
 
 /// Standard normal of a variable of a sample, within what is drawn.
-fn normal(input: &ReportInput, sample: &SimulatedSample, k: usize) -> f64 {
-    let value = sample.values.get(k).copied().unwrap_or(f64::NAN);
+fn normal(input: &ReportInput, values: &[f64], k: usize) -> f64 {
+    let value = values.get(k).copied().unwrap_or(f64::NAN);
     let u = input.scene.variables[k].distribution.to_standard_normal(value);
     if u.is_nan() { 0.0 } else { u.clamp(-REACH, REACH) }
 }
 
 /// The limit state that a simulation reached first, up to this life.
-fn first_failure(input: &ReportInput, sample: &SimulatedSample, cycles: u32) -> Option<String> {
-    let reached = input.scene.limit_states.iter().zip(&sample.failed_at);
+fn first_failure(input: &ReportInput, failed_at: &[Option<u32>], cycles: u32) -> Option<String> {
+    let reached = input.scene.limit_states.iter().zip(failed_at);
     let reached = reached.filter_map(|(state, at)| Some((at.filter(|at| *at <= cycles)?, state)));
     reached.min_by_key(|(at, _)| *at).map(|(_, state)| state.name.clone())
 }
@@ -207,7 +207,7 @@ mod tests {
         let mut input = test_study::report_with_samples();
         let cycles = governing_cycles(&input);
         for (k, sample) in input.samples.iter_mut().enumerate() {
-            sample.failed_at = match k % 3 {
+            sample.1 = match k % 3 {
                 0 => vec![Some(cycles), Some(cycles - 1000)],
                 1 => vec![Some(cycles + 1000), None],
                 _ => vec![None, None],
