@@ -192,8 +192,8 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// What-ifs of a stored study against new studies.
 fn of_study(arguments: &Arguments, totals: &mut Totals) -> Result<(), Box<dyn Error>> {
     let file = CampaignFile::look(Path::new(&arguments.study))?;
-    let source = SceneSource::parse(&file.meta().scene_source, &arguments.study)?;
-    let settings = Settings::from_stored(&file.meta().settings)?;
+    let source = SceneSource::parse(&file.meta.scene_source, &arguments.study)?;
+    let settings = Settings::from_stored(&file.meta.settings)?;
     let summary: StudySummary = file.document("summary")?.ok_or("the study is not finished")?;
     let mut outcomes = Vec::new();
     file.for_each_known(false, |StoredEvaluation { sample, outcome, .. }| {

@@ -157,7 +157,7 @@ fn with_variants(
     let nominal = campaign.evaluation(0)?.and_then(|stored| stored.outcome.ok());
     let cautions = nominal.map(|nominal| motion_cautions(&nominal.diagnostics)).unwrap_or_default();
     let caution: String = cautions.iter().map(|caution| format!("caution: {}\n", caution.message)).collect();
-    print(&format!("{caution}{}", final_text(&summary, campaign.dir())))
+    print(&format!("{caution}{}", final_text(&summary, &campaign.dir)))
 }
 
 /// Version and build of this program.
@@ -169,7 +169,7 @@ fn program() -> String {
 fn say_what_is_done(study: &StoredStudy, extended: &Settings) -> Done {
     print_message(format_args!("{} evaluations are done already", study.campaign.count()?));
     let legs = study.campaign.leg_versions()?;
-    let before = legs.iter().skip(1).last().unwrap_or(&study.campaign.meta().version);
+    let before = legs.iter().skip(1).last().unwrap_or(&study.campaign.meta.version);
     let ours = program();
     if *before != ours {
         print_message(format_args!(
@@ -204,7 +204,7 @@ fn finish(
     evaluator.start_workers()?;
     let StoredStudy { campaign, source, settings } = &mut study;
     let scene = source.nominal();
-    let dir = campaign.dir().to_path_buf();
+    let dir = campaign.dir.clone();
     if !verbosity.quiet {
         evaluator.print_endpoints();
         monitor.print_addresses();
@@ -221,7 +221,7 @@ fn finish(
     let mut result = result?;
     result.summary.scale = evaluator.scale_row();
     result.summary.designs = design_keys(campaign)?;
-    result.summary.identify(scene, &campaign.meta().scene_source, campaign.created_at());
+    result.summary.identify(scene, &campaign.meta.scene_source, &campaign.created_at);
     if let Some(Ok(nominal)) = campaign.evaluation(0)?.map(|stored| stored.outcome) {
         result.summary.control_points = control_points_rows(scene, &nominal.diagnostics);
     }

@@ -91,22 +91,18 @@ impl ProgressText {
 fn round_line(round: &Round) -> String {
     let change = |change| format!(", largest change of any R {}", percent(change));
     let change = round.change_of_r.map_or(String::new(), change);
+    // A direct simulation has no surrogates.
+    let is_direct = (round.min_u, round.surrogate_error) == (0.0, 0.0);
+    let uncertain =
+        || format!(", uncertain {}, min U {}", percent(round.share_uncertain), fixed(round.min_u, 3));
     format!(
         "round {}: {} evaluations, {}{change}{}",
         round.round,
         round.evaluations,
         reliability_so_far(round.cycles, round.reliability_total, round.standard_error()),
-        uncertainty(round)
+        if is_direct { String::new() } else { uncertain() }
     )
     .replace('\u{a0}', " ")
-}
-
-/// Uncertain share and smallest learning function of a round; nothing in direct simulation, which has no surrogates.
-fn uncertainty(round: &Round) -> String {
-    if (round.min_u, round.surrogate_error) == (0.0, 0.0) {
-        return String::new();
-    }
-    format!(", uncertain {}, min U {}", percent(round.share_uncertain), fixed(round.min_u, 3))
 }
 
 /// Style of the progress bar: on 80 columns 71 are left for the text.

@@ -97,13 +97,13 @@ impl ReportInput {
     pub fn from_campaign(campaign: &CampaignFile, scene: &Scene) -> Result<Option<Self>, StoreError> {
         let Some(mut summary) = campaign.document::<StudySummary>(SUMMARY_DOCUMENT)? else { return Ok(None) };
         // A study by an earlier version has stored less of this.
-        summary.identify(scene, &campaign.meta().scene_source, campaign.created_at());
+        summary.identify(scene, &campaign.meta.scene_source, &campaign.created_at);
         let distributions = campaign.document(DISTRIBUTIONS_DOCUMENT)?.unwrap_or_default();
-        let go_on = go_on(&summary, campaign.dir());
+        let go_on = go_on(&summary, &campaign.dir);
         let mut input = Self::new(scene, summary, distributions);
         input.notes.splice(0..0, go_on);
         input.explicit = campaign.document::<Option<ExplicitModel>>(EXPLICIT_DOCUMENT)?.flatten();
-        input.meta = campaign.meta().clone();
+        input.meta = campaign.meta.clone();
         input.written = WrittenScene::new(&input.meta.scene_source);
         let (mut checkpoints, mut stated) = (vec![], vec![]);
         campaign.for_each(|stored| {

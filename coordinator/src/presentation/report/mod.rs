@@ -93,7 +93,7 @@ pub fn deliver(
     summary_json(summary)?;
     campaign.put_document(DISTRIBUTIONS_DOCUMENT, &distributions)?;
     campaign.put_document(SUMMARY_DOCUMENT, summary)?;
-    let written = write_all(campaign, scene, campaign.dir(), &[])?;
+    let written = write_all(campaign, scene, &campaign.dir, &[])?;
     Ok(written.expect("the summary was stored two statements ago"))
 }
 

@@ -385,7 +385,7 @@ fn a_delivered_study_has_every_file_and_they_can_be_rewritten() {
 #[test]
 fn an_unfinished_study_has_no_report_yet() {
     let dir = tempfile::tempdir().unwrap();
-    let meta = test_study::campaign(&dir.path().join("finished")).meta().clone();
+    let meta = test_study::campaign(&dir.path().join("finished")).meta.clone();
     let scene = test_study::scene();
     let campaign = CampaignFile::create(&dir.path().join("new"), &meta, &scene).unwrap();
     assert_eq!(ReportInput::from_campaign(&campaign, &scene).unwrap(), None);

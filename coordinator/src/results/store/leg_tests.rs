@@ -49,8 +49,8 @@ fn a_leg_takes_its_outcomes_from_other_numbers() {
 
     // The settings are those of the last leg, and every leg is known.
     let file = CampaignFile::open(dir.path()).unwrap();
-    assert_eq!(file.meta().settings["max_evaluations"], 9);
-    assert_eq!(file.meta().command, meta().command);
+    assert_eq!(file.meta.settings["max_evaluations"], 9);
+    assert_eq!(file.meta.command, meta().command);
     let sql = "SELECT number, evaluations, command, settings FROM leg ORDER BY number";
     let mut statement = file.connection.prepare(sql).unwrap();
     let legs = statement.query_map([], |row| row.try_into()).unwrap();

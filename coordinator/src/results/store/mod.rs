@@ -54,9 +54,12 @@ pub struct CampaignMeta {
 #[derive(Debug)]
 pub struct CampaignFile {
     connection: Connection,
-    dir: PathBuf,
-    meta: CampaignMeta,
-    created_at: String,
+    /// Folder of the study.
+    pub dir: PathBuf,
+    /// Scene and settings of the campaign.
+    pub meta: CampaignMeta,
+    /// Start of the campaign (UTC, ISO 8601).
+    pub created_at: String,
     inputs: Vec<String>,
     outputs: Vec<String>,
     /// Whether the file has a column for the level of accuracy.
@@ -162,21 +165,6 @@ impl CampaignFile {
             log_written: None,
             _held: held,
         })
-    }
-
-    /// Folder of the study.
-    pub fn dir(&self) -> &Path {
-        &self.dir
-    }
-
-    /// Scene and settings of the campaign.
-    pub fn meta(&self) -> &CampaignMeta {
-        &self.meta
-    }
-
-    /// Start of the campaign (UTC, ISO 8601).
-    pub fn created_at(&self) -> &str {
-        &self.created_at
     }
 
     fn path(&self) -> PathBuf {

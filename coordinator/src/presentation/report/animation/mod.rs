@@ -65,20 +65,13 @@ pub fn animation(input: &ReportInput) -> Option<(Figure, String)> {
         drawing: drawing::picture(scene, &layout, first, &wear),
         csv: csv(&["cycle", "body", "time [ms]", "x [mm]", "y [mm]", "angle [deg]"], rows),
     };
+    let cycles: Value = shown.iter().map(|shown| cycle(scene, &layout, shown)).collect();
     let lives = input.worn().filter(|worn| worn.cycles.len() > 1);
-    Some((figure, json(scene, &layout, &shown, lives).to_string()))
+    let lives = lives.map(|worn| bores(scene, &layout, worn));
+    Some((figure, json!({ "cycles": cycles, "lives": lives }).to_string()))
 }
 
-/// A JSON object: `cycles` with one entry per cycle, and `lives`, the lives at which bores are known with the depths of every joint with
-/// clearance at equal angles, in drawing units, or `null`. An entry of a cycle has its name, whether the bores are worn, and per body that moves the numbers
-/// (x, y, degrees) of every frame, per joint (x, y), per joint with clearance (x, y, degrees of the journal from the
-/// bushing, degrees of the bushing), in drawing units.
-fn json(scene: &Scene, layout: &Layout, shown: &[AnimatedCycle<'_>], lives: Option<&WornLife>) -> Value {
-    let cycles: Value = shown.iter().map(|shown| cycle(scene, layout, shown)).collect();
-    json!({ "cycles": cycles, "lives": lives.map(|worn| bores(scene, layout, worn)) })
-}
-
-/// Lives in cycles, and the depths of the bores at each.
+/// Lives in cycles at which bores are known, and at each the depths of every joint with clearance at equal angles, in drawing units.
 fn bores(scene: &Scene, layout: &Layout, worn: &WornLife) -> Value {
     let magnified = |depth: &f64| rounded(layout.magnify([*depth, 0.0])[0]);
     let depths = |depths: &Vec<f64>| depths.iter().map(magnified).collect::<Value>();
@@ -88,6 +81,8 @@ fn bores(scene: &Scene, layout: &Layout, worn: &WornLife) -> Value {
     json!({ "cycles": worn.cycles, "bore": BORE, "bores": worn.wear_depth.iter().map(life).collect::<Value>() })
 }
 
+/// The name of a cycle, whether the bores are worn, and per body that moves the numbers (x, y, degrees) of every frame, per joint (x, y), per
+/// joint with clearance (x, y, degrees of the journal from the bushing, degrees of the bushing), in drawing units.
 fn cycle(scene: &Scene, layout: &Layout, shown: &AnimatedCycle<'_>) -> Value {
     fn over<const N: usize>(shown: &AnimatedCycle<'_>, numbers: impl Fn(&[Pose]) -> [f64; N]) -> Value {
         shown.frames().flat_map(numbers).map(rounded).collect()

@@ -105,7 +105,7 @@ pub fn effort(page: &mut Page, input: &ReportInput) {
                     (captioned("work", "Numerical work", tables::diagnostics(input)))
                 }
                 @if let Some(table) = tables::stated_errors(input) {
-                    (captioned("nominal", &format!("Outputs of the nominal {}", input.summary.subject()), table))
+                    (captioned("nominal", &format!("Outputs of the nominal {}", input.subject()), table))
                 }
             }
             div { (captioned("timing", "Times and workers", tables::timing(input))) }
