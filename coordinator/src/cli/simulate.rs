@@ -13,8 +13,8 @@ use coordinator::presentation::nominal_life::nominal_lives;
 use coordinator::presentation::report::ReportInput;
 use coordinator::presentation::report::format::{count as grouped, duration, three_digits, with_unit};
 use coordinator::presentation::report::nominal_page::page;
-use coordinator::results::control_points::control_points_rows;
 use coordinator::results::result_files::write_text;
+use coordinator::results::summary_rows::control_points_rows;
 use coordinator::study::{Settings, blank};
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -132,9 +132,6 @@ impl Simulated<'_> {
     }
 
     /// The page of the evaluation; `set` are its settings as given, `source` is the text of its scene.
-    ///
-    /// # Errors
-    /// [`CommandError::Report`] if a figure cannot be drawn.
     pub fn report(&self, set: &[String], source: &str) -> String {
         let Self { scene, evaluation, .. } = self;
         let mut summary = blank(scene, &Settings::from(scene.study));

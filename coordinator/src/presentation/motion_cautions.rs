@@ -6,7 +6,7 @@
 //! forces, wear and lives; finer time steps show the same. What the balance leaves beside that work is the numerical error of the cycle.
 
 use super::format::{count, three_digits};
-use crate::results::control_points::{ControlPointsRow, control_points_rows};
+use crate::results::summary_rows::{ControlPointsRow, control_points_rows};
 use common::outputs::{Diagnostics, EnergyBalance, UnsettledMotion};
 use common::scene::{Scene, Warning};
 

@@ -1,11 +1,10 @@
 //! The result of a study, as written to `summary.json` and shown by the report. The field names are the keys of the file: they may
 //! be added to, but not changed. Keys of outputs are their name and unit, e.g. `max_wear_depth_m`.
 
-use super::control_points::ControlPointsRow;
 use super::life_summary::{LifeCurveRow, LifeRow, UnresolvedFall};
 pub use super::reliability_summary::{PerLimitState, ReliabilityRange, ReliabilityRow};
 use super::scene_summary::{LimitRow, UnitRow, VariableRow, limit_rows, sha256, unit_rows, variable_rows};
-use super::summary_rows::{FailurePointRow, LevelsRow, OutlierRow, PredictionRow};
+use super::summary_rows::{ControlPointsRow, FailurePointRow, LevelsRow, OutlierRow, PredictionRow};
 pub use super::summary_rows::{SurrogateRow, UntestedRow, VariantRow};
 pub use super::timing::{ScaleRow, Timing, WorkerShare};
 use common::accuracy::Accuracy;

@@ -140,7 +140,7 @@ fn a_whole_study_has_every_figure_and_its_lives() {
 #[test]
 fn issue_a_caution_began_in_lower_case_and_had_no_full_stop() {
     let mut input = test_study::report_input();
-    input.summary.control_points = vec![crate::results::control_points::ControlPointsRow {
+    input.summary.control_points = vec![crate::results::summary_rows::ControlPointsRow {
         output: "asymmetry".into(),
         unit: "r/min".into(),
         cycles: 66_000,
