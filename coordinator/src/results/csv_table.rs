@@ -4,16 +4,13 @@
 //! # Source
 //! Shafranovich (2005), RFC 4180, Common format and MIME type for comma-separated values files.
 
-use std::borrow::Cow;
-
 /// The text with these names of its columns and these rows of one cell per column, one line each.
 pub fn csv<C: AsRef<str>, R: AsRef<str>>(
     columns: impl IntoIterator<Item = C>,
     rows: impl IntoIterator<Item: IntoIterator<Item = R>>,
 ) -> String {
-    let plain = |cell: &str| plain_text(cell).into_owned();
-    let columns: Vec<String> = columns.into_iter().map(|cell| plain(cell.as_ref())).collect();
-    let rows = rows.into_iter().map(|row| row.into_iter().map(|cell| plain(cell.as_ref())).collect());
+    let columns: Vec<String> = columns.into_iter().map(|cell| plain_text(cell.as_ref())).collect();
+    let rows = rows.into_iter().map(|row| row.into_iter().map(|cell| plain_text(cell.as_ref())).collect());
     let mut writer = csv::Writer::from_writer(Vec::new());
     for cells in std::iter::once(columns).chain(rows) {
         writer.write_record(cells).expect("a row in memory has as many cells as there are columns");
@@ -24,16 +21,11 @@ pub fn csv<C: AsRef<str>, R: AsRef<str>>(
 
 /// A cell as it is written: with an apostrophe before a first character from which spreadsheets read a formula, unless it is a number, and
 /// with spaces for control characters, which a terminal would obey.
-pub fn plain_text(cell: &str) -> Cow<'_, str> {
+pub fn plain_text(cell: &str) -> String {
     let obeyed = |c: char| c.is_control() && !matches!(c, '\n' | '\t' | '\r');
-    if cell.contains(obeyed) {
-        return Cow::Owned(plain_text(&cell.replace(obeyed, " ")).into_owned());
-    }
-    if cell.starts_with(['=', '+', '-', '@', '\t', '\r']) && cell.parse::<f64>().is_err() {
-        Cow::Owned(format!("'{cell}"))
-    } else {
-        Cow::Borrowed(cell)
-    }
+    let cell = cell.replace(obeyed, " ");
+    let is_formula = cell.starts_with(['=', '+', '-', '@', '\t', '\r']) && cell.parse::<f64>().is_err();
+    if is_formula { format!("'{cell}") } else { cell }
 }
 
 /// Shortest decimal that reads back as the same f64; empty if the value is not finite.

@@ -148,7 +148,7 @@ pub fn write_samples_csv(path: &Path, campaign: &CampaignFile, scene: &Scene) ->
             columns.extend(checkpoints.iter().map(|cycles| format!("{key}@{cycles}")));
         }
         columns.extend(["failure", "worker", "wall_s", "finished_at", "level"].map(str::to_owned));
-        writer.write_record(columns.iter().map(|name| plain_text(name).into_owned())).map_err(failed)?;
+        writer.write_record(columns.iter().map(|name| plain_text(name))).map_err(failed)?;
         campaign.for_each(|stored| {
             let mut cells = vec![stored.id.to_string()];
             cells.extend(stored.sample.iter().copied().map(number));
@@ -163,7 +163,7 @@ pub fn write_samples_csv(path: &Path, campaign: &CampaignFile, scene: &Scene) ->
                 }));
             }
             let failure = stored.outcome.err().map_or(String::new(), |failure| failure.to_string());
-            let [failure, worker] = [&failure, &stored.worker].map(|text| plain_text(text).into_owned());
+            let [failure, worker] = [&failure, &stored.worker].map(|text| plain_text(text));
             cells.extend([failure, worker, number(stored.wall), stored.finished_at.to_string()]);
             cells.push(stored.level.to_string());
             writer.write_record(&cells).map_err(failed)

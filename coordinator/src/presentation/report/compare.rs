@@ -60,6 +60,7 @@ const MOST_KEYS: usize = 12;
 /// of its files.
 pub fn answer(name: String, studies: Vec<ComparedStudy>, differing: &[(String, Vec<String>)]) -> Answer {
     let names: Vec<&str> = studies.iter().map(|study| study.name.as_str()).collect();
+    let scenes = BTreeSet::from_iter(studies.iter().map(|study| study.summary.scene.as_str()));
     let first = &studies[0];
     let is_static = first.summary.is_static();
     let text = |text: &str| AnswerPart::Text(text.to_owned());
@@ -87,17 +88,13 @@ pub fn answer(name: String, studies: Vec<ComparedStudy>, differing: &[(String, V
     parts.push(AnswerPart::Table(effort(&studies)));
     Answer {
         title: format!("Studies compared: {}", names.join(", ")),
-        subtitle: format!("Scenes: {}", scenes(&studies).into_iter().collect::<Vec<_>>().join(", ")),
+        subtitle: format!("Scenes: {}", Vec::from_iter(scenes).join(", ")),
         files: vec![(format!("{name}.csv"), csv(&studies))],
         name,
         parts,
         curves: studies,
         ..Answer::default()
     }
-}
-
-fn scenes(studies: &[ComparedStudy]) -> BTreeSet<&str> {
-    studies.iter().map(|study| study.summary.scene.as_str()).collect()
 }
 
 /// Lives of every study at the usual levels of reliability, or its probability of failure.

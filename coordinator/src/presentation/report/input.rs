@@ -272,29 +272,24 @@ fn of_contact_law(scene: &Scene) -> Option<String> {
     (local_hertz && watches_speed).then(|| text.to_owned())
 }
 
-/// The evaluations of a study in which a joint had such a groove.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct GroovedJoint {
-    /// Number of evaluations.
-    pub evaluations: u64,
-    /// Earliest life at which one was there [cycles].
-    pub since: u32,
-    /// The most open one.
-    pub widest: NarrowGroove,
-}
+/// Number of the evaluations of a study in which a joint had such a groove, and the most open one, with the earliest life at which one was
+/// there.
+pub type GroovedJoint = (u64, NarrowGroove);
 
 /// Adds the grooves of one evaluation to the counts of their joints.
 fn add_grooves(grooved: &mut Vec<GroovedJoint>, grooves: &[NarrowGroove]) {
     for groove in grooves {
-        let Some(known) = grooved.iter_mut().find(|joint| joint.widest.joint == groove.joint) else {
-            grooved.push(GroovedJoint { evaluations: 1, since: groove.since, widest: groove.clone() });
+        let Some((evaluations, widest)) = grooved.iter_mut().find(|(_, known)| known.joint == groove.joint)
+        else {
+            grooved.push((1, groove.clone()));
             continue;
         };
-        known.evaluations += 1;
-        known.since = known.since.min(groove.since);
-        if groove.open > known.widest.open {
-            known.widest.clone_from(groove);
+        *evaluations += 1;
+        let since = widest.since.min(groove.since);
+        if groove.open > widest.open {
+            widest.clone_from(groove);
         }
+        widest.since = since;
     }
 }
 
@@ -353,7 +348,8 @@ mod tests {
         ] {
             add_grooves(&mut grooved, &evaluation);
         }
-        let found: Vec<_> = grooved.iter().map(|j| (j.evaluations, j.since, j.widest.open)).collect();
+        let found: Vec<_> =
+            grooved.iter().map(|(number, widest)| (*number, widest.since, widest.open)).collect();
         assert_eq!(found, [(3, 2000, 2e-6), (1, 8000, 5e-7)]);
     }
 }

@@ -187,12 +187,12 @@ fn grooves(grooved: &[GroovedJoint], units: &Units) -> Markup {
     let [depth, turn] = [OutputUnit::Length, OutputUnit::Angle].map(|usual| units.of(usual));
     table_of::<&GroovedJoint>(
         &[
-            ("groove narrower than the journal", &|joint| format!("joint {}", joint.widest.joint)),
-            ("evaluations", &|joint| count(joint.evaluations)),
-            ("first at cycle", &|joint| count(joint.since.into())),
-            (&units.head("angle [deg]"), &|joint| three_digits(turn.to_shown(joint.widest.angle))),
-            (&units.head("width [deg]"), &|joint| three_digits(turn.to_shown(joint.widest.width))),
-            (&units.head("stays open [µm]"), &|joint| three_digits(depth.to_shown(joint.widest.open))),
+            ("groove narrower than the journal", &|(_, groove)| format!("joint {}", groove.joint)),
+            ("evaluations", &|(evaluations, _)| count(*evaluations)),
+            ("first at cycle", &|(_, groove)| count(groove.since.into())),
+            (&units.head("angle [deg]"), &|(_, groove)| three_digits(turn.to_shown(groove.angle))),
+            (&units.head("width [deg]"), &|(_, groove)| three_digits(turn.to_shown(groove.width))),
+            (&units.head("stays open [µm]"), &|(_, groove)| three_digits(depth.to_shown(groove.open))),
         ],
         grooved,
     )
@@ -263,13 +263,12 @@ mod tests {
     fn joints_with_grooves_narrower_than_their_journals_have_a_row() {
         let widest = common::outputs::NarrowGroove {
             joint: "a".into(),
-            since: 4000,
+            since: 2000,
             angle: 1.0,
             width: 0.2,
             open: 2e-6,
         };
-        let page =
-            grooves(&[GroovedJoint { evaluations: 3, since: 2000, widest }], &Units::default()).into_string();
+        let page = grooves(&[(3, widest)], &Units::default()).into_string();
         for part in ["joint a", ">3<", "2\u{a0}000", "57", "11", "2.00"] {
             assert!(page.contains(part), "{part}: {page}");
         }

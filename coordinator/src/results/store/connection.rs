@@ -45,7 +45,7 @@ impl Drop for LeftFiles {
     fn drop(&mut self) {
         // Files that stay are of no harm: the next study that writes removes them.
         if let Ok(connection) = connect(&self.0, OpenFlags::SQLITE_OPEN_READ_WRITE) {
-            let _ = probe(&self.0, &connection);
+            let _ = has_no_table(&self.0, &connection);
         }
     }
 }
@@ -58,7 +58,7 @@ pub fn connect_read_only(path: &Path) -> Result<(Connection, Held), StoreError> 
     let is_in_use = log_of(path).exists();
     // Beside other connections, and read from once.
     let opened = connect(path, OpenFlags::SQLITE_OPEN_READ_ONLY);
-    match opened.and_then(|connection| probe(path, &connection).map(|()| connection)) {
+    match opened.and_then(|connection| has_no_table(path, &connection).map(|_| connection)) {
         Ok(connection) if is_in_use => Ok((connection, Box::new(()))),
         Ok(connection) => Ok((connection, Box::new(LeftFiles(path.to_path_buf())))),
         Err(error) if !needs_index(&error) => Err(named(path, error)),
@@ -73,7 +73,7 @@ pub(super) fn unchanging(path: &Path) -> Result<(Connection, Held), StoreError> 
         OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_URI | OpenFlags::SQLITE_OPEN_NO_MUTEX;
     let uri = format!("file:{}?immutable=1", escaped(path));
     let connection = Connection::open_with_flags(uri, flags).map_err(StoreError::of(path))?;
-    probe(path, &connection).map_err(|error| named(path, error))?;
+    has_no_table(path, &connection).map_err(|error| named(path, error))?;
     Ok((connection, Box::new(())))
 }
 
@@ -86,13 +86,14 @@ pub(super) fn from_copy(path: &Path) -> Result<(Connection, Held), StoreError> {
         std::fs::copy(from, to).map_err(failed)?;
     }
     let connection = connect(&target, OpenFlags::SQLITE_OPEN_READ_WRITE)?;
-    probe(path, &connection).map_err(|error| named(path, error))?;
+    has_no_table(path, &connection).map_err(|error| named(path, error))?;
     Ok((connection, Box::new(copy)))
 }
 
-fn probe(path: &Path, connection: &Connection) -> Result<(), StoreError> {
-    let sql = "SELECT count(*) FROM sqlite_schema";
-    connection.query_row(sql, [], |_| Ok(())).map_err(StoreError::of(path))
+/// Whether the file has no table; an error if it cannot be read.
+pub fn has_no_table(path: &Path, connection: &Connection) -> Result<bool, StoreError> {
+    let sql = "SELECT count(*) = 0 FROM sqlite_schema";
+    connection.query_row(sql, [], |row| row.get(0)).map_err(StoreError::of(path))
 }
 
 /// Whether the shared index is missing and cannot be created, e.g. on a full disk.

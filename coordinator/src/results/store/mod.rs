@@ -25,7 +25,7 @@ pub use read::StoredEvaluation;
 
 use crate::farm::evaluate::EvaluationResult;
 use common::scene::Scene;
-use connection::{Held, connect, connect_read_only, named};
+use connection::{Held, connect, connect_read_only, has_no_table, named};
 use rusqlite::{Connection, OpenFlags};
 use serde::{Deserialize, Serialize};
 use std::fs::{File, TryLockError};
@@ -114,7 +114,7 @@ impl CampaignFile {
     pub fn look(dir: &Path) -> Result<Self, StoreError> {
         let path = campaign_path(dir)?;
         let (connection, held) = connect_read_only(&path)?;
-        if has_no_table(&path, &connection)? {
+        if has_no_table(&path, &connection).map_err(|error| named(&path, error))? {
             return Err(StoreError::NoCampaign(dir.into()));
         }
         layout(&path, &connection)?;
@@ -229,12 +229,8 @@ fn make_durable(connection: &Connection) -> rusqlite::Result<()> {
 
 /// Whether the file is a database without any table, which a process killed in [`CampaignFile::create`] leaves.
 fn is_empty_database(path: &Path) -> Result<bool, StoreError> {
-    has_no_table(path, &connect(path, OpenFlags::SQLITE_OPEN_READ_WRITE)?)
-}
-
-fn has_no_table(path: &Path, connection: &Connection) -> Result<bool, StoreError> {
-    let found = connection.query_row("SELECT count(*) = 0 FROM sqlite_schema", [], |row| row.get(0));
-    found.map_err(|source| named(path, StoreError::of(path)(source)))
+    let connection = connect(path, OpenFlags::SQLITE_OPEN_READ_WRITE)?;
+    has_no_table(path, &connection).map_err(|error| named(path, error))
 }
 
 /// Tables and metadata in one transaction: a campaign exists whole or not at all.
