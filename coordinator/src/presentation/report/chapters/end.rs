@@ -10,7 +10,6 @@ use crate::presentation::report::{
     Page, ReportInput, captioned, drawing, table, table_of_text, tables, words,
 };
 use crate::results::summary_rows::{CoordinateRow, FailurePointRow};
-use common::random::RandomVariable;
 use maud::{Markup, Render, html};
 
 /// Adds the chapter of combinations that fail and of most probable failures.
@@ -37,7 +36,12 @@ fn failure_points(input: &ReportInput) -> Markup {
     let head: Vec<String> =
         ["variable", "unit"].map(str::to_owned).into_iter().chain(points.iter().flat_map(of_point)).collect();
     let rows = input.scene.variables.iter().map(|variable| {
-        let cells = points.iter().flat_map(|point| cells_of(point, variable));
+        let scale = unit_scale(&variable.unit);
+        let cells = points.iter().flat_map(move |point| {
+            let own = point.variables.iter().find(|row| row.variable == variable.name);
+            let cell = |text: &dyn Fn(&CoordinateRow) -> String| own.map_or(UNKNOWN.to_owned(), text);
+            [cell(&|row| seven_digits(row.value / scale)), cell(&|row| fixed(row.normal, 2))]
+        });
         [variable.name.clone(), variable.unit.clone()].into_iter().chain(cells)
     });
     let title = format!(
@@ -58,13 +62,6 @@ fn failure_point(input: &ReportInput, point: &FailurePointRow) -> String {
         if by.is_empty() { "fails" } else { "have failed" },
         fixed(point.distance, 2)
     )
-}
-
-fn cells_of(point: &FailurePointRow, variable: &RandomVariable) -> [String; 2] {
-    let scale = unit_scale(&variable.unit);
-    let own = point.variables.iter().find(|row| row.variable == variable.name);
-    let cell = |text: &dyn Fn(&CoordinateRow) -> String| own.map_or(UNKNOWN.to_owned(), text);
-    [cell(&|row| seven_digits(row.value / scale)), cell(&|row| fixed(row.normal, 2))]
 }
 
 /// Failed evaluations listed one by one.
@@ -268,6 +265,7 @@ mod tests {
     use super::*;
     use crate::presentation::report::{page, render};
     use crate::tests::test_study;
+    use common::random::RandomVariable;
 
     #[test]
     fn times_are_stated_to_the_second() {
