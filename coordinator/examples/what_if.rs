@@ -18,7 +18,7 @@ use coordinator::analyses::what_if::{FinishedStudy, POPULATION, WhatIf, ask, cha
 use coordinator::farm::evaluate::{Request, local::LocalEvaluator};
 use coordinator::results::journal::InMemoryJournal;
 use coordinator::results::progress::Silent;
-use coordinator::results::store::CampaignFile;
+use coordinator::results::store::{CampaignFile, StoredEvaluation};
 use coordinator::results::summary::StudySummary;
 use coordinator::statistics::design::{InputModel, Population};
 use coordinator::study::{Correction, Observed, Settings, StoredOutcome, run};
@@ -192,15 +192,15 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// What-ifs of a stored study against new studies.
 fn of_study(arguments: &Arguments, totals: &mut Totals) -> Result<(), Box<dyn Error>> {
     let file = CampaignFile::look(Path::new(&arguments.study))?;
-    let source = SceneSource::parse(&file.meta().scene_source, &arguments.study)?;
-    let settings = Settings::from_stored(&file.meta().settings)?;
+    let source = SceneSource::parse(&file.meta.scene_source, &arguments.study)?;
+    let settings = Settings::from_stored(&file.meta.settings)?;
     let summary: StudySummary = file.document("summary")?.ok_or("the study is not finished")?;
     let mut outcomes = Vec::new();
-    file.for_each_known(|sample, outcome| {
+    file.for_each_known(false, |StoredEvaluation { sample, outcome, .. }| {
         outcomes.push(StoredOutcome { sample, outcome: outcome.map(Observed::from_evaluation) });
     })?;
     let mut finer = Vec::new();
-    file.for_each_finer(|level, sample, outcome| {
+    file.for_each_known(true, |StoredEvaluation { level, sample, outcome, .. }| {
         finer.push((level, StoredOutcome { sample, outcome: outcome.map(Observed::from_evaluation) }));
     })?;
     if let Some(correction) = Correction::from_stored(source.nominal(), &outcomes, &finer) {

@@ -136,8 +136,8 @@ type Study = (SceneSource, Settings, StudySummary, Vec<StoredOutcome>);
 
 fn read(dir: &Path) -> Result<Study, Box<dyn Error>> {
     let campaign = CampaignFile::look(dir)?;
-    let source = SceneSource::parse(&campaign.meta().scene_source, &dir.display().to_string())?;
-    let settings = Settings::from_stored(&campaign.meta().settings)?;
+    let source = SceneSource::parse(&campaign.meta.scene_source, &dir.display().to_string())?;
+    let settings = Settings::from_stored(&campaign.meta.settings)?;
     let summary = campaign.document(SUMMARY_DOCUMENT)?.ok_or("the study is not finished")?;
     let mut stored = Vec::new();
     campaign.for_each(|one| -> Result<(), StoreError> {

@@ -102,8 +102,8 @@ struct Study {
 impl Study {
     fn read(dir: &Path) -> Result<Self, Box<dyn Error>> {
         let campaign = CampaignFile::look(dir)?;
-        let source = SceneSource::parse(&campaign.meta().scene_source, "study")?;
-        let settings = Settings::from_stored(&campaign.meta().settings)?;
+        let source = SceneSource::parse(&campaign.meta.scene_source, "study")?;
+        let settings = Settings::from_stored(&campaign.meta.settings)?;
         let mut outcomes = Vec::new();
         campaign.for_each(|stored| -> Result<(), StoreError> {
             let outcome = stored.outcome.map(Observed::from_evaluation);

@@ -105,7 +105,7 @@ pub fn after_study(
         objective: Objective::Life { level: LEVELS[0] },
         budget: opened.settings.max_evaluations.saturating_sub(opened.outcomes()?.len()),
     };
-    let out = Destination::Folder(opened.study.campaign.dir().join(FOLDER));
+    let out = Destination::Folder(opened.study.campaign.dir.join(FOLDER));
     answer_for(&mut opened, &space, &asked, machines, Some(&out), verbosity)?;
     Ok(None)
 }
@@ -150,7 +150,7 @@ fn answer_for(
     out: Option<&Destination>,
     verbosity: Verbosity,
 ) -> Done {
-    let dir = opened.study.campaign.dir().to_path_buf();
+    let dir = opened.study.campaign.dir.clone();
     let mut outcomes = opened.outcomes()?;
     let source = opened.study.source.clone();
     let designs = DesignStudy { space, augmented: source.nominal(), settings: &opened.settings.clone() };
@@ -209,7 +209,7 @@ fn refine_with(
         ));
     };
     let refined = refine(designs, &asked.grid, outcomes, asked.budget, &mut simulate, &mut progress);
-    let refined = refined.map_err(|error| of_designs(error, opened.study.campaign.dir()))?;
+    let refined = refined.map_err(|error| of_designs(error, &opened.study.campaign.dir))?;
     if let Some(evaluator) = own {
         evaluator.close();
     }

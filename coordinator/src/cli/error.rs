@@ -6,7 +6,6 @@ use coordinator::analyses::budget::BudgetError;
 use coordinator::analyses::error::AnalysisError;
 use coordinator::farm::dispatch::{ClientError, DispatchError};
 use coordinator::farm::evaluate::EvaluateError;
-use coordinator::presentation::report::ReportError;
 use coordinator::results::result_files::ResultFileError;
 use coordinator::results::store::{StoreError, is_unusable_path};
 use coordinator::study::{CampaignError, SettingError, StudyError};
@@ -72,12 +71,9 @@ pub enum CommandError {
     /// A local worker cannot be started.
     #[error("local worker: {0}")]
     Worker(#[from] ServiceError),
-    /// A result file cannot be written.
+    /// A result file or a report cannot be written.
     #[error(transparent)]
     ResultFile(#[from] ResultFileError),
-    /// The report cannot be written.
-    #[error(transparent)]
-    Report(#[from] ReportError),
     /// A result that cannot be represented in JSON.
     #[error("the result cannot be written as JSON: {0}")]
     Json(#[from] serde_json::Error),
@@ -139,7 +135,6 @@ impl CommandError {
             Self::Store(error) => error.is_bad_input(),
             Self::Dispatch(error) => error.is_bad_input(),
             Self::ResultFile(error) => error.is_bad_input(),
-            Self::Report(error) => error.is_bad_input(),
             Self::Client(error) => error.is_bad_input(),
             _ => false,
         };
@@ -157,7 +152,7 @@ impl CommandError {
     /// The error of a report into the study's own folder `dir`, where writing may not be allowed.
     pub fn of_report_in(self, dir: &Path) -> Self {
         match self {
-            Self::Report(ReportError::File(ResultFileError::Write(_, error))) if is_unusable_path(&error) => {
+            Self::ResultFile(ResultFileError::Write(_, error)) if is_unusable_path(&error) => {
                 let fault = format!("no file can be written here ({error}); name another folder with --out");
                 Self::refused(dir.display(), fault)
             }

@@ -5,7 +5,7 @@ use common::outputs::{
     NarrowGroove, UnsettledMotion, WornLife,
 };
 use common::scene::{OutputUnit, Scene};
-use coordinator::results::control_points::control_points_rows;
+use coordinator::results::summary_rows::control_points_rows;
 use serde_json::{Map, Value, json};
 
 /// What every evaluation has: the outputs under their names and units, their numerical errors, their values at the start of life, and the

@@ -66,7 +66,7 @@ impl Monitor {
     /// Prints the address of the page.
     pub fn print_addresses(&self) {
         if let Some((_, server)) = &self.live {
-            print_message(format_args!("live report: http://{}", server.address()));
+            print_message(format_args!("live report: http://{}", server.address));
         }
     }
 
@@ -100,7 +100,7 @@ impl Monitor {
         let interrupted = interruption()?;
         print_message(format_args!(
             "the live page stays at http://{} until Ctrl-C; its report is {}",
-            server.address(),
+            server.address,
             live.report_file().display()
         ));
         while !interrupted.load(Ordering::Relaxed) {

@@ -125,7 +125,7 @@ impl ValueParserFactory for Destination {
 /// writes to this file what it would print.
 ///
 /// # Errors
-/// [`CommandError::Report`], [`CommandError::ResultFile`], [`CommandError::Output`].
+/// [`CommandError::ResultFile`], [`CommandError::Output`].
 pub fn answer_with(
     answer: &Answer,
     document: &impl Serialize,

@@ -21,9 +21,9 @@ use coordinator::analyses::designs::{DESIGNS_DOCUMENT, DesignSpace};
 use coordinator::presentation::motion_cautions::motion_cautions;
 use coordinator::presentation::report::{self, CheckpointDistribution, SUMMARY_DOCUMENT};
 use coordinator::presentation::terminal::{Terminal, final_text, print_message};
-use coordinator::results::control_points::control_points_rows;
 use coordinator::results::store::{CampaignFile, CampaignMeta};
 use coordinator::results::summary::StudySummary;
+use coordinator::results::summary_rows::control_points_rows;
 use coordinator::statistics::reliability::{Histogram, PROBABILITIES};
 use coordinator::study::{Method, OutputHistory, Settings};
 use std::path::{Path, PathBuf};
@@ -153,7 +153,7 @@ pub fn resume(arguments: &ResumeArguments, verbosity: Verbosity) -> Done {
     let monitor = Monitor::open(monitor, &evaluator, dir, study.scene(), &study.settings)?;
     study.campaign.forget_failed_start()?;
     // Another build computes what follows: from which evaluation on, the legs say.
-    if begins_leg || study.campaign.legs()?.last().is_none_or(|leg| leg.version != program()) {
+    if begins_leg || study.campaign.leg_versions()?.last().is_none_or(|version| *version != program()) {
         let settings = serde_json::to_value(&study.settings)?;
         study.campaign.begin_leg(settings, &command_line(), &program())?;
     }
@@ -170,8 +170,8 @@ fn with_variants(
 ) -> Done {
     let StoredStudy { campaign, .. } = variants::after_study(study, farm, verbosity)?;
     summary.variants = summary_of(&campaign)?.variants;
-    let stated = confidence.map(|confidence| at_confidence(campaign.dir(), confidence)).transpose()?;
-    let page = stated.as_ref().map(|(answer, _)| answer.write(campaign.dir())).transpose()?;
+    let stated = confidence.map(|confidence| at_confidence(&campaign.dir, confidence)).transpose()?;
+    let page = stated.as_ref().map(|(answer, _)| answer.write(&campaign.dir)).transpose()?;
     if verbosity.json {
         let mut printed = serde_json::to_value(&summary)?;
         if let Some((_, confident)) = &stated {
@@ -184,7 +184,7 @@ fn with_variants(
     let caution: String = cautions.iter().map(|caution| format!("caution: {}\n", caution.message)).collect();
     let confident =
         stated.zip(page).map(|((answer, _), page)| format!("\n{}\n{}\n", answer.text(), page.display()));
-    print(&format!("{caution}{}{}", final_text(&summary, campaign.dir()), confident.unwrap_or_default()))
+    print(&format!("{caution}{}{}", final_text(&summary, &campaign.dir), confident.unwrap_or_default()))
 }
 
 /// Version and build of this program.
@@ -195,8 +195,8 @@ fn program() -> String {
 /// Says on standard error what a study goes on from.
 fn say_what_is_done(study: &StoredStudy, extended: &Settings) -> Done {
     print_message(format_args!("{} evaluations are done already", study.campaign.count()?));
-    let legs = study.campaign.legs()?;
-    let before = legs.iter().skip(1).last().map_or(&study.campaign.meta().version, |leg| &leg.version);
+    let legs = study.campaign.leg_versions()?;
+    let before = legs.iter().skip(1).last().unwrap_or(&study.campaign.meta.version);
     let ours = program();
     if *before != ours {
         print_message(format_args!(
@@ -232,7 +232,7 @@ fn finish(
     evaluator.start_workers()?;
     let StoredStudy { campaign, source, settings } = &mut study;
     let scene = source.nominal();
-    let dir = campaign.dir().to_path_buf();
+    let dir = campaign.dir.clone();
     if !verbosity.quiet {
         evaluator.print_endpoints();
         monitor.print_addresses();
@@ -249,7 +249,7 @@ fn finish(
     let mut result = result?;
     result.summary.scale = evaluator.scale_row();
     result.summary.designs = design_keys(campaign)?;
-    result.summary.identify(scene, &campaign.meta().scene_source, campaign.created_at());
+    result.summary.identify(scene, &campaign.meta.scene_source, &campaign.created_at);
     if let Some(Ok(nominal)) = campaign.evaluation(0)?.map(|stored| stored.outcome) {
         result.summary.control_points = control_points_rows(scene, &nominal.diagnostics);
     }

@@ -10,10 +10,11 @@ use common::outputs::{Evaluation, NarrowGroove};
 use common::scene::{Fault, Faults, Output, OutputUnit, Scene, SceneSource};
 use coordinator::presentation::motion_cautions::cautions;
 use coordinator::presentation::nominal_life::nominal_lives;
+use coordinator::presentation::report::ReportInput;
 use coordinator::presentation::report::format::{count as grouped, duration, three_digits, with_unit};
-use coordinator::presentation::report::nominal_page::NominalView;
-use coordinator::results::control_points::control_points_rows;
+use coordinator::presentation::report::nominal_page::page;
 use coordinator::results::result_files::write_text;
+use coordinator::results::summary_rows::control_points_rows;
 use coordinator::study::{Settings, blank};
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -131,14 +132,11 @@ impl Simulated<'_> {
     }
 
     /// The page of the evaluation; `set` are its settings as given, `source` is the text of its scene.
-    ///
-    /// # Errors
-    /// [`CommandError::Report`] if a figure cannot be drawn.
     pub fn report(&self, set: &[String], source: &str) -> String {
         let Self { scene, evaluation, .. } = self;
         let mut summary = blank(scene, &Settings::from(scene.study));
         summary.control_points = control_points_rows(scene, &evaluation.diagnostics);
-        let view = NominalView { scene, summary, evaluation: Some(evaluation), drawing: None };
+        let input = ReportInput::of_one(scene, summary, Some((*evaluation).clone()));
         let set =
             if set.is_empty() { "every random variable at its mean".to_owned() } else { set.join(", ") };
         let facts = [
@@ -147,7 +145,7 @@ impl Simulated<'_> {
             ("work", self.work()),
             ("version", format!("Hingewise {}", env!("CARGO_PKG_VERSION"))),
         ];
-        view.page(&facts, source).html(None)
+        page(&input, &facts, source).html(None)
     }
 
     /// Life, accuracy, steps and time.

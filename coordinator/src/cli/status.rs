@@ -110,10 +110,10 @@ fn stored_status(dir: &Path, as_json: bool) -> Done {
         (_, _, Some(_)) => "ended",
         _ => "interrupted",
     };
-    let scene = &campaign.meta().scene;
+    let scene = &campaign.meta.scene;
     let (evaluations, failed) = (campaign.count()?, campaign.failed_count()?);
     // Times that the study was started or continued with other settings, and the last round of learning.
-    let (legs, round) = (campaign.legs()?.len().max(1), campaign.rounds()?.pop());
+    let (legs, round) = (campaign.leg_versions()?.len().max(1), campaign.rounds()?.pop());
     if as_json {
         return print(&to_json(
             &json!({ "scene": scene, "state": state, "reason": reason, "evaluations": evaluations,

@@ -8,7 +8,9 @@ use coordinator::analyses::learn::{fitted_reliability, uncertain_fits};
 use coordinator::analyses::what_if::{FinishedStudy, POPULATION, WhatIf, ask};
 use coordinator::presentation::report::SUMMARY_DOCUMENT;
 use coordinator::presentation::terminal::Terminal;
-use coordinator::results::store::{CampaignFile, FILE_NAME, FurtherEvaluations, StoreError};
+use coordinator::results::store::{
+    CampaignFile, FILE_NAME, FurtherEvaluations, StoreError, StoredEvaluation,
+};
 use coordinator::results::summary::StudySummary;
 use coordinator::statistics::updating::ConfidentReliability;
 use coordinator::study::{
@@ -45,7 +47,7 @@ impl StoredStudy {
     /// [`CommandError::BadInput`].
     pub fn read(campaign: CampaignFile) -> Done<Self> {
         let source = scene_of(&campaign)?;
-        let settings = Settings::from_stored(&campaign.meta().settings).map_err(|error| {
+        let settings = Settings::from_stored(&campaign.meta.settings).map_err(|error| {
             foreign(&campaign, &format!("the settings of this study cannot be read: {error}"))
         })?;
         Ok(Self { campaign, source, settings })
@@ -59,7 +61,7 @@ impl StoredStudy {
 
 /// The error of a command on the results of a study that has none, with the reason if it is known.
 pub fn not_finished(campaign: &CampaignFile) -> CommandError {
-    let dir = campaign.dir().display();
+    let dir = campaign.dir.display();
     let reason: Option<String> = campaign.document(END_DOCUMENT).ok().flatten();
     let fault = match reason {
         Some(reason) => format!("this study ended without a result: {reason}"),
@@ -81,21 +83,21 @@ pub fn summary_of(campaign: &CampaignFile) -> Done<StudySummary> {
 /// # Errors
 /// [`CommandError::BadInput`].
 pub fn scene_of(campaign: &CampaignFile) -> Done<SceneSource> {
-    SceneSource::parse(&campaign.meta().scene_source, &origin(campaign))
+    SceneSource::parse(&campaign.meta.scene_source, &origin(campaign))
         .map_err(|faults| foreign(campaign, &format!("the scene of this study is not accepted:\n{faults}")))
 }
 
 /// The error of a study of another version of the program, a part of which this one cannot read. The layout of the file itself is
 /// known: another one is [`StoreError::SchemaVersion`].
 fn foreign(campaign: &CampaignFile, part: &str) -> CommandError {
-    let program = &campaign.meta().version;
+    let program = &campaign.meta.version;
     let ours = env!("CARGO_PKG_VERSION");
     let fault = format!("written by version {program} of the program; in this one, version {ours}, {part}");
     CommandError::refused(origin(campaign), fault)
 }
 
 fn origin(campaign: &CampaignFile) -> String {
-    campaign.dir().join(FILE_NAME).display().to_string()
+    campaign.dir.join(FILE_NAME).display().to_string()
 }
 
 /// Keys of the design variables of a study.
@@ -138,7 +140,7 @@ impl OpenedStudy {
     /// [`CommandError::Store`] or [`CommandError::BadInput`].
     pub fn of(study: StoredStudy) -> Done<Self> {
         let summary = summary_of(&study.campaign)?;
-        let origin = study.campaign.dir().display().to_string();
+        let origin = study.campaign.dir.display().to_string();
         let space = study.campaign.document::<StoredSpace>(DESIGNS_DOCUMENT)?;
         let space = space.map(|stored| DesignSpace::from_stored(stored, &origin)).transpose()?;
         let has_population = study.settings.method.learns() && summary.conditional.is_none();
@@ -183,7 +185,7 @@ impl OpenedStudy {
             outcomes: &self.outcomes()?,
             summary: Some(&self.summary).filter(|_| self.space.is_none()),
         };
-        ask(&finished, changed.nominal()).map_err(|error| failed(error, self.study.campaign.dir()))
+        ask(&finished, changed.nominal()).map_err(|error| failed(error, &self.study.campaign.dir))
     }
 
     /// R and lives of a changed scene at a confidence, with what the samples of its measured variables leave open.
@@ -191,7 +193,7 @@ impl OpenedStudy {
     /// # Errors
     /// [`CommandError::Study`], or [`CommandError::BadInput`] without such a variable.
     pub fn confident(&self, changed: &SceneSource, confidence: f64) -> Done<ConfidentReliability> {
-        let (dir, scene) = (self.study.campaign.dir(), changed.nominal());
+        let (dir, scene) = (&self.study.campaign.dir, changed.nominal());
         let learned = learn_from_results(scene, self.study.scene(), &self.settings, &self.outcomes()?)
             .map_err(|error| failed(error, dir))?;
         let model = LifeModel::new(scene, &learned);
@@ -240,7 +242,7 @@ impl OpenedStudy {
         let journal = &mut FurtherEvaluations(campaign);
         let learned = learning.learn(evaluator.evaluator(), journal, &mut terminal);
         terminal.finish();
-        learned.map_err(|error| failed(error, self.study.campaign.dir()))?;
+        learned.map_err(|error| failed(error, &self.study.campaign.dir))?;
         Ok(self.outcomes()?.len() - stored.len())
     }
 
@@ -250,7 +252,7 @@ impl OpenedStudy {
     /// [`CommandError::BadInput`] without surrogates, or the error of the campaign file or the surrogates.
     pub fn life_model(&self) -> Done<LifeModel> {
         let StoredStudy { campaign, settings, .. } = &self.study;
-        let (dir, scene) = (campaign.dir(), self.study.scene());
+        let (dir, scene) = (&campaign.dir, self.study.scene());
         if !settings.method.learns() {
             let fault = format!(
                 "this study has no surrogates (method {}); the responses of units need a study with --method ak",
@@ -272,7 +274,7 @@ impl OpenedStudy {
 /// [`StoreError`].
 pub fn stored_correction(campaign: &CampaignFile, scene: &Scene) -> Result<Option<Correction>, StoreError> {
     let mut finer = Vec::new();
-    campaign.for_each_finer(|level, sample, outcome| {
+    campaign.for_each_known(true, |StoredEvaluation { level, sample, outcome, .. }| {
         finer.push((level, StoredOutcome { sample, outcome: outcome.map(Observed::from_evaluation) }));
     })?;
     if finer.is_empty() {
@@ -296,7 +298,7 @@ pub fn known_outcomes(campaign: &CampaignFile, scene: &Scene) -> Result<Vec<Stor
 /// Outcomes at the working accuracy as they were simulated, without correction.
 fn as_simulated(campaign: &CampaignFile) -> Result<Vec<StoredOutcome>, StoreError> {
     let mut all = Vec::new();
-    campaign.for_each_known(|sample, outcome| {
+    campaign.for_each_known(false, |StoredEvaluation { sample, outcome, .. }| {
         all.push(StoredOutcome { sample, outcome: outcome.map(Observed::from_evaluation) });
     })?;
     Ok(all)

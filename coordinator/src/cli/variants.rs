@@ -61,7 +61,7 @@ pub fn after_study(study: StoredStudy, farm: &FarmArguments, verbosity: Verbosit
     if rows.len() == asked.len() && rows.iter().zip(&asked).all(is_done) {
         return Ok(opened.study);
     }
-    let dir = opened.study.campaign.dir().to_path_buf();
+    let dir = opened.study.campaign.dir.clone();
     let outcomes = known_outcomes(&opened.study.campaign, opened.study.scene())?;
     let correction = stored_correction(&opened.study.campaign, opened.study.scene())?;
     let scene = opened.study.scene().clone();

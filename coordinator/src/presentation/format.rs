@@ -62,27 +62,22 @@ pub fn signed_with_width(value: f64, width: f64) -> String {
 
 /// A reliability with its 95 % interval: `0.3730 ± 0.0043`, or the limit alone where no failure, or no survivor, was seen.
 pub fn reliability(r: f64, lower: f64, upper: f64) -> String {
-    // Two digits of the distance from 1, rounded away from it.
-    let limit = |distance: f64| {
-        let distance = distance.max(1e-15);
-        let decimals = (1.0 - distance.log10().floor()) as i32;
-        let step = 10f64.powi(-decimals);
-        ((distance / step - 1e-9).ceil() * step, decimals as usize)
+    let (is_survival, distance) = match () {
+        () if r >= 1.0 && lower < 1.0 => (true, 1.0 - lower),
+        () if r <= 0.0 && upper > 0.0 => (false, upper),
+        () => return share(r, lower, upper),
     };
+    // Two digits of the distance from 1 or 0, rounded away from it.
+    let distance = distance.max(1e-15);
+    let decimals = (1.0 - distance.log10().floor()) as i32;
+    let step = 10f64.powi(-decimals);
+    let distance = (distance / step - 1e-9).ceil() * step;
     // More than six nines are not read but counted.
-    const COUNTED: f64 = 1e-6;
-    if r >= 1.0 && lower < 1.0 {
-        match limit(1.0 - lower) {
-            (distance, _) if distance < COUNTED => format!("> 1 \u{2212} {}", power(distance, 1)),
-            (distance, decimals) => format!("> {}", fixed(1.0 - distance, decimals)),
-        }
-    } else if r <= 0.0 && upper > 0.0 {
-        match limit(upper) {
-            (distance, _) if distance < COUNTED => format!("< {}", power(distance, 1)),
-            (distance, decimals) => format!("< {}", fixed(distance, decimals)),
-        }
-    } else {
-        share(r, lower, upper)
+    match (is_survival, distance < 1e-6) {
+        (true, true) => format!("> 1 \u{2212} {}", power(distance, 1)),
+        (true, false) => format!("> {}", fixed(1.0 - distance, decimals as usize)),
+        (false, true) => format!("< {}", power(distance, 1)),
+        (false, false) => format!("< {}", fixed(distance, decimals as usize)),
     }
 }
 
@@ -115,8 +110,12 @@ pub fn fixed(value: f64, decimals: usize) -> String {
 
 /// A number with at most this many decimals and no trailing zeros.
 pub fn plain(value: f64, decimals: usize) -> String {
-    let text = fixed(value, decimals);
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+    without_zeros(&fixed(value, decimals)).to_owned()
+}
+
+/// Digits without zeros at the end of their decimals.
+pub fn without_zeros(digits: &str) -> &str {
+    if digits.contains('.') { digits.trim_end_matches('0').trim_end_matches('.') } else { digits }
 }
 
 /// A number in powers of ten with this many decimals, e.g. `1.97e−4`.

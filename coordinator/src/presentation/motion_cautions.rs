@@ -6,7 +6,7 @@
 //! forces, wear and lives; finer time steps show the same. What the balance leaves beside that work is the numerical error of the cycle.
 
 use super::format::{count, three_digits};
-use crate::results::control_points::{ControlPointsRow, control_points_rows};
+use crate::results::summary_rows::{ControlPointsRow, control_points_rows};
 use common::outputs::{Diagnostics, EnergyBalance, UnsettledMotion};
 use common::scene::{Scene, Warning};
 
@@ -29,44 +29,41 @@ pub fn motion_cautions(diagnostics: &Diagnostics) -> Vec<Warning> {
         (Some(worn), _) => Some((worn, "last")),
         (None, first) => first.as_ref().map(|first| (first, "first")),
     };
-    let of_energy = balance.into_iter().flat_map(|(energy, cycle)| {
-        let unphysical = unphysical_work(energy, cycle).map(|message| ("joints", message));
-        unphysical.into_iter().chain(residual(energy, cycle).map(|message| ("accuracy", message)))
-    });
+    let of_energy = balance.into_iter().flat_map(|(energy, cycle)| of_energy(energy, cycle));
     let unsettled = diagnostics.unsettled.iter().map(|motion| ("life.settle_cycles", unsettled(motion)));
     let all = of_energy.chain(unsettled);
     all.map(|(key, message)| Warning { key: key.to_owned(), message: message.replace('\u{a0}', " ") })
         .collect()
 }
 
-/// The caution about work of the contact law.
-fn unphysical_work(energy: &EnergyBalance, cycle: &str) -> Option<String> {
-    let share = share(energy.unphysical, energy)?;
-    let (work, through) = (three_digits(energy.unphysical.abs()), three_digits(through(energy)));
-    (share > NOTABLE).then(|| {
-        format!(
-            "in the {cycle} cycle of the nominal mechanism the contact law local-hertz does {work} J of work that no real contact does, {:.0} % of the \
+/// The cautions about the energy of a cycle, with their keys: work of the contact law that no real contact does, and a balance that does not
+/// close.
+fn of_energy(energy: &EnergyBalance, cycle: &str) -> Vec<(&'static str, String)> {
+    // What is put in, or what is lost if that is more.
+    let through = energy.input.abs().max(energy.dissipated.abs());
+    let notable = |part: f64| {
+        let share = part.abs() / through;
+        let words = || [three_digits(part.abs()), format!("{:.0}", 100.0 * share), three_digits(through)];
+        (share.is_finite() && share > NOTABLE).then(words)
+    };
+    let unphysical = notable(energy.unphysical).map(|[work, share, through]| {
+        let message = format!(
+            "in the {cycle} cycle of the nominal mechanism the contact law local-hertz does {work} J of work that no real contact does, {share} % of the \
              {through} J that go through it: this law is not conservative on a worn bore, and the vibration that it maintains changes forces, wear \
-             and lives, whatever the accuracy; compare with contact_law = \"foundation\"",
-            100.0 * share
-        )
-    })
-}
-
-/// The caution about an energy balance that does not close.
-fn residual(energy: &EnergyBalance, cycle: &str) -> Option<String> {
-    let share = share(energy.residual(), energy)?;
-    let is_notable = share > NOTABLE && energy.residual().abs() > NEGLIGIBLE * energy.turnover;
-    is_notable.then(|| {
-        format!(
-            "in the {cycle} cycle of the nominal mechanism the energy balance leaves {} J, {:.0} % of the {} J that go through it: the time \
+             and lives, whatever the accuracy; compare with contact_law = \"foundation\""
+        );
+        ("joints", message)
+    });
+    let is_open = energy.residual().abs() > NEGLIGIBLE * energy.turnover;
+    let residual = notable(energy.residual()).filter(|_| is_open).map(|[left, share, through]| {
+        let message = format!(
+            "in the {cycle} cycle of the nominal mechanism the energy balance leaves {left} J, {share} % of the {through} J that go through it: the time \
              steps do not resolve the motion, often a vibration of the contacts in a slow mechanism; compare with shorter ones \
-             (--accuracy step-x0.5), or give the joints contact_damping or film_damping",
-            three_digits(energy.residual().abs()),
-            100.0 * share,
-            three_digits(through(energy))
-        )
-    })
+             (--accuracy step-x0.5), or give the joints contact_damping or film_damping"
+        );
+        ("accuracy", message)
+    });
+    unphysical.into_iter().chain(residual).collect()
 }
 
 /// The caution about a motion that has not settled.
@@ -83,17 +80,6 @@ fn unsettled(motion: &UnsettledMotion) -> String {
          stated error contains; give settle_cycles more, or the mechanism more damping{turns}",
         three_digits(100.0 * change)
     )
-}
-
-/// The energy that goes through a mechanism in a cycle [J]: what is put in, or what is lost if that is more.
-fn through(energy: &EnergyBalance) -> f64 {
-    energy.input.abs().max(energy.dissipated.abs())
-}
-
-/// A `part` [J] over that energy [1]; `None` without any energy.
-fn share(part: f64, energy: &EnergyBalance) -> Option<f64> {
-    let share = part.abs() / through(energy);
-    share.is_finite().then_some(share)
 }
 
 /// A sentence for each output whose error is left out of the stated ones, or that does not converge.

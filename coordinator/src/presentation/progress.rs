@@ -39,31 +39,14 @@ pub fn most_evaluations(study: &StudyStatus) -> u64 {
     study.budget.max(study.planned).max(study.done)
 }
 
-/// Time left in a study.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RemainingTime {
-    /// Time until all evaluations are done [s].
-    pub seconds: f64,
-    /// True if learning may end before its budget is spent.
-    pub is_bound: bool,
-}
-
-impl RemainingTime {
-    /// The time left at a rate of evaluations [1/s]; none without one, or if nothing is left.
-    pub fn of(study: &StudyStatus, rate: Option<f64>) -> Option<Self> {
-        let most = most_evaluations(study);
-        let left = most.checked_sub(study.done).filter(|left| *left > 0)?;
-        let rate = rate.filter(|rate| *rate > 0.0)?;
-        Some(Self { seconds: left as f64 / rate, is_bound: most > study.planned })
-    }
-}
-
-/// As `at most 4 min 03 s left`.
-impl std::fmt::Display for RemainingTime {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let bound = if self.is_bound { "at most " } else { "" };
-        write!(f, "{bound}{} left", duration(self.seconds))
-    }
+/// The time until all evaluations are done [s] at a rate of them [1/s], and in words, as `at most 4 min 03 s left` if learning may end
+/// before its budget is spent; none without a rate, or if nothing is left.
+pub fn remaining_time(study: &StudyStatus, rate: Option<f64>) -> Option<(f64, String)> {
+    let most = most_evaluations(study);
+    let left = most.checked_sub(study.done).filter(|left| *left > 0)?;
+    let seconds = left as f64 / rate.filter(|rate| *rate > 0.0)?;
+    let bound = if most > study.planned { "at most " } else { "" };
+    Some((seconds, format!("{bound}{} left", duration(seconds))))
 }
 
 /// R of the system at a checkpoint [cycles] with its standard error, e.g. `R(66 000) = 0.347 ± 0.012 (95 %)`, or P_f where R has no digits
@@ -87,7 +70,7 @@ pub fn state_of_study(study: &StudyStatus, ending: bool, rate: Option<f64>, erro
     if ending {
         parts.push("computing the results".to_owned());
     } else {
-        parts.extend(RemainingTime::of(study, rate).map(|left| left.to_string()));
+        parts.extend(remaining_time(study, rate).map(|(_, left)| left));
     }
     parts.extend(rate.map(per_second));
     parts.extend(error.filter(|error| *error > 0.0).map(|error| format!("error {}", three_digits(error))));
@@ -118,13 +101,13 @@ mod tests {
     #[test]
     fn a_budget_is_a_bound_and_a_plan_is_carried_out() {
         let study = |done, planned| StudyStatus { done, planned, budget: 400, ..StudyStatus::default() };
-        let time = RemainingTime::of(&study(84, 120), Some(2.0)).unwrap();
-        assert_eq!((time.seconds, time.is_bound), (158.0, true));
-        assert_eq!(time.to_string().replace('\u{a0}', " "), "at most 2 min 38 s left");
+        let (seconds, left) = remaining_time(&study(84, 120), Some(2.0)).unwrap();
+        assert_eq!(seconds, 158.0);
+        assert_eq!(left.replace('\u{a0}', " "), "at most 2 min 38 s left");
         let direct = study(84, 400);
-        assert!(!RemainingTime::of(&direct, Some(2.0)).unwrap().is_bound);
-        assert_eq!(RemainingTime::of(&direct, None), None);
-        assert_eq!(RemainingTime::of(&direct, Some(0.0)), None);
-        assert_eq!(RemainingTime::of(&study(400, 400), Some(2.0)), None);
+        assert!(remaining_time(&direct, Some(2.0)).unwrap().1.starts_with("2\u{a0}min"));
+        assert_eq!(remaining_time(&direct, None), None);
+        assert_eq!(remaining_time(&direct, Some(0.0)), None);
+        assert_eq!(remaining_time(&study(400, 400), Some(2.0)), None);
     }
 }

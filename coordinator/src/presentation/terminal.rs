@@ -91,29 +91,18 @@ impl ProgressText {
 fn round_line(round: &Round) -> String {
     let change = |change| format!(", largest change of any R {}", percent(change));
     let change = round.change_of_r.map_or(String::new(), change);
+    // A direct simulation has no surrogates.
+    let is_direct = (round.min_u, round.surrogate_error) == (0.0, 0.0);
+    let uncertain =
+        || format!(", uncertain {}, min U {}", percent(round.share_uncertain), fixed(round.min_u, 3));
     format!(
         "round {}: {} evaluations, {}{change}{}",
         round.round,
         round.evaluations,
         reliability_so_far(round.cycles, round.reliability_total, round.standard_error()),
-        uncertainty(round)
+        if is_direct { String::new() } else { uncertain() }
     )
     .replace('\u{a0}', " ")
-}
-
-/// Uncertain share and smallest learning function of a round; nothing in direct simulation, which has no surrogates.
-fn uncertainty(round: &Round) -> String {
-    if (round.min_u, round.surrogate_error) == (0.0, 0.0) {
-        return String::new();
-    }
-    format!(", uncertain {}, min U {}", percent(round.share_uncertain), fixed(round.min_u, 3))
-}
-
-/// Form of the output.
-enum OutputMode {
-    Quiet,
-    Lines,
-    Bar(ProgressBar),
 }
 
 /// Style of the progress bar: on 80 columns 71 are left for the text.
@@ -126,30 +115,26 @@ fn style() -> ProgressStyle {
 pub struct Terminal {
     text: ProgressText,
     start: Instant,
-    mode: OutputMode,
+    quiet: bool,
+    /// The progress bar on a terminal; without one there are lines.
+    bar: Option<ProgressBar>,
 }
 
 impl Terminal {
     /// A progress bar if standard error is a terminal, otherwise plain lines; nothing if `quiet`.
     pub fn new(quiet: bool) -> Self {
-        let mode = if quiet {
-            OutputMode::Quiet
-        } else if std::io::stderr().is_terminal() {
-            let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::stderr());
-            bar.set_style(style());
-            bar.enable_steady_tick(Duration::from_millis(250));
-            OutputMode::Bar(bar)
-        } else {
-            OutputMode::Lines
-        };
-        Self { text: ProgressText::default(), start: Instant::now(), mode }
+        let bar = (!quiet && std::io::stderr().is_terminal()).then(|| {
+            let bar =
+                ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::stderr()).with_style(style());
+            bar.enable_steady_tick(REDRAW);
+            bar
+        });
+        Self { text: ProgressText::default(), start: Instant::now(), quiet, bar }
     }
 
     /// Clears the progress bar, so that the following output starts on a clean line.
     pub fn finish(&mut self) {
-        if let OutputMode::Bar(bar) = &self.mode {
-            bar.finish_and_clear();
-        }
+        self.bar.iter().for_each(ProgressBar::finish_and_clear);
     }
 }
 
@@ -163,10 +148,10 @@ impl Observer for Terminal {
     fn notice(&mut self, progress: &Progress) {
         let now = self.start.elapsed();
         let line = self.text.line(now, progress);
-        match &self.mode {
-            OutputMode::Quiet => {}
-            OutputMode::Lines => line.into_iter().for_each(print_message),
-            OutputMode::Bar(bar) => {
+        match &self.bar {
+            None if self.quiet => {}
+            None => line.into_iter().for_each(print_message),
+            Some(bar) => {
                 bar.set_length(self.text.study.budget.max(self.text.study.planned));
                 bar.set_position(self.text.study.done);
                 bar.set_message(self.text.state(now));
@@ -226,8 +211,8 @@ mod tests {
     use super::*;
     use crate::tests::test_study;
 
-    fn batch(size: usize, planned: usize, purpose: &str) -> Progress {
-        Progress::BatchStarted { size, planned, budget: 400, purpose: purpose.into() }
+    fn batch(planned: usize, purpose: &str) -> Progress {
+        Progress::BatchStarted { planned, budget: 400, purpose: purpose.into() }
     }
 
     fn evaluated(done: usize, recalled: bool) -> Progress {
@@ -241,7 +226,7 @@ mod tests {
     #[test]
     fn evaluations_have_at_most_one_line_in_ten_seconds() {
         let mut text = ProgressText::default();
-        let first = text.line(seconds(0), &batch(120, 120, "initial design")).unwrap();
+        let first = text.line(seconds(0), &batch(120, "initial design")).unwrap();
         assert_eq!(first, "0/400 evaluations, initial design");
         let lines: Vec<String> =
             (1..=60).filter_map(|k| text.line(seconds(k), &evaluated(k as usize, false))).collect();
@@ -252,7 +237,7 @@ mod tests {
     #[test]
     fn every_round_has_its_line() {
         let mut text = ProgressText::default();
-        text.line(seconds(0), &batch(1, 1, "round 3"));
+        text.line(seconds(0), &batch(1, "round 3"));
         let lines: Vec<String> = test_study::study()
             .summary
             .convergence
@@ -275,7 +260,7 @@ mod tests {
             assert_eq!(text.line(seconds(0), &evaluated(done, true)), None);
         }
         // The first line of a resumed study does not begin at 0.
-        let first = text.line(seconds(0), &batch(20, 120, "initial design")).unwrap();
+        let first = text.line(seconds(0), &batch(120, "initial design")).unwrap();
         assert_eq!(first, "100/400 evaluations, initial design, 1 failed, 100 from the campaign file");
         assert!(!text.state(seconds(1)).contains("/s"));
         text.line(seconds(10), &evaluated(101, false));
@@ -289,7 +274,7 @@ mod tests {
     #[test]
     fn issue_80_columns_cut_off_rate_error_and_time() {
         let mut text = ProgressText::default();
-        text.line(seconds(0), &batch(12, 384, "round 21"));
+        text.line(seconds(0), &batch(384, "round 21"));
         for done in 1..=372 {
             text.record(seconds(1000), &evaluated(done, false));
         }
@@ -303,7 +288,7 @@ mod tests {
         assert!(seen.starts_with(parts), "{seen}");
         // A direct simulation ends when its plan is carried out.
         let mut direct = ProgressText::default();
-        direct.record(seconds(0), &batch(400, 400, "simulations"));
+        direct.record(seconds(0), &batch(400, "simulations"));
         direct.record(seconds(100), &evaluated(100, false));
         assert!(direct.state(seconds(100)).starts_with("100/400 evaluations, 5 min 00 s left, 1.00/s"));
         direct.record(seconds(100), &Progress::Ending);
@@ -314,9 +299,9 @@ mod tests {
     fn the_bar_shows_the_text() {
         let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::hidden());
         bar.set_style(style());
-        let mode = OutputMode::Bar(bar.clone());
-        let mut terminal = Terminal { text: ProgressText::default(), start: Instant::now(), mode };
-        terminal.notice(&batch(120, 120, "initial design"));
+        let (text, start) = (ProgressText::default(), Instant::now());
+        let mut terminal = Terminal { text, start, quiet: false, bar: Some(bar.clone()) };
+        terminal.notice(&batch(120, "initial design"));
         terminal.notice(&evaluated(7, true));
         assert_eq!((bar.length(), bar.position()), (Some(400), 7));
         let shown = bar.message();
@@ -328,7 +313,7 @@ mod tests {
     #[test]
     fn warnings_are_printed_at_once() {
         let mut text = ProgressText::default();
-        text.line(seconds(0), &batch(1, 1, ""));
+        text.line(seconds(0), &batch(1, ""));
         let line = text.line(seconds(1), &Progress::Warning("no worker".into()));
         assert_eq!(line.unwrap(), "warning: no worker");
     }

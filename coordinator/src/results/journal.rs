@@ -76,7 +76,6 @@ pub trait Journal {
 pub struct InMemoryJournal {
     /// Sample and outcome by the number of the request.
     outcomes: BTreeMap<u64, (Vec<f64>, Finished)>,
-    rounds: Vec<Round>,
     times: Timing,
 }
 
@@ -84,11 +83,6 @@ impl InMemoryJournal {
     /// Sample `(d,)` and outcome of every recorded evaluation, by the number of its request.
     pub fn outcomes(&self) -> &BTreeMap<u64, (Vec<f64>, Finished)> {
         &self.outcomes
-    }
-
-    /// The recorded rounds of learning.
-    pub fn rounds(&self) -> &[Round] {
-        &self.rounds
     }
 }
 
@@ -116,11 +110,6 @@ impl Journal for InMemoryJournal {
 
     fn ended(&mut self, requests: u64) -> Result<(), EvaluateError> {
         self.outcomes.retain(|id, _| *id < requests);
-        Ok(())
-    }
-
-    fn note_round(&mut self, round: &Round) -> Result<(), EvaluateError> {
-        self.rounds.push(round.clone());
         Ok(())
     }
 

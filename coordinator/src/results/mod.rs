@@ -2,12 +2,11 @@
 //!
 //! | module | content |
 //! |---|---|
-//! | [`summary`] | the numbers of a study, as written to `summary.json` |
+//! | [`summary`], [`summary_rows`] | the numbers of a study, as written to `summary.json` |
 //! | [`journal`] | the record of evaluations: interface, and a journal in memory |
 //! | [`progress`] | what a running study reports |
 //! | [`store`] | the campaign file (SQLite) |
 //! | [`result_files`] | JSON and CSV files |
-//! | [`control_points`] | what more control points change in the nominal mechanism |
 //! | [`timing`] | times of a study over all its runs |
 //!
 //! # Example
@@ -28,19 +27,14 @@
 //! # Ok::<(), coordinator::farm::evaluate::EvaluateError>(())
 //! ```
 
-pub mod control_points;
 pub mod csv_table;
 pub mod journal;
-pub mod level_summary;
 pub mod life_summary;
-pub mod outlier_summary;
-pub mod point_summary;
 pub mod progress;
 pub mod reliability_summary;
 pub mod result_files;
 pub mod scene_summary;
 pub mod store;
 pub mod summary;
-mod surrogate_summary;
+pub mod summary_rows;
 pub mod timing;
-pub mod variant_summary;

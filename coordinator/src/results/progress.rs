@@ -7,8 +7,6 @@ use crate::results::summary::{ReliabilityRow, Round};
 pub enum Progress {
     /// A batch of evaluations starts; those found in the journal were reported before.
     BatchStarted {
-        /// Size of the batch.
-        size: usize,
         /// Evaluations after this batch.
         planned: usize,
         /// Largest number of evaluations.

@@ -1,7 +1,7 @@
 //! The result files of a finished study: `summary.json`, `reliability.csv`, `samples.csv`. Each is written under a
 //! temporary name and renamed, so that a reader never finds half a file.
 
-use crate::results::csv_table::{CsvTable, number, plain_text};
+use crate::results::csv_table::{csv, number, plain_text};
 use crate::results::store::{CampaignFile, StoreError, is_unusable_path};
 use crate::results::summary::{PerLimitState, ReliabilityRange, StudySummary};
 use common::scene::Scene;
@@ -93,16 +93,8 @@ pub fn create_folder(path: &Path) -> Result<(), ResultFileError> {
 /// # Errors
 /// [`ResultFileError::Write`].
 pub fn write_text(path: &Path, text: &str) -> Result<(), ResultFileError> {
-    write_bytes(path, text.as_bytes())
-}
-
-/// Writes bytes to a file, completely or not at all.
-///
-/// # Errors
-/// [`ResultFileError::Write`].
-pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), ResultFileError> {
     let failed = |source| ResultFileError::Write(path.into(), source);
-    write_atomically(path, |file| file.write_all(bytes).map_err(failed))
+    write_atomically(path, |file| file.write_all(text.as_bytes()).map_err(failed))
 }
 
 /// `summary.json` as text.
@@ -125,18 +117,17 @@ pub fn reliability_csv(summary: &StudySummary) -> String {
     for [first, second] in [["R_", "se_"], ["low_", "high_"]] {
         columns.extend(keys.iter().flat_map(|key| [format!("{first}{key}"), format!("{second}{key}")]));
     }
-    let mut table = CsvTable::new(&columns);
     let value = |values: &PerLimitState, key: &str| values.get(key).copied().map_or(String::new(), number);
     let ends = |range: Option<ReliabilityRange>| {
         range.map(|range| [number(range.lower), number(range.upper)]).unwrap_or_default()
     };
-    for row in &summary.reliability {
+    let rows = summary.reliability.iter().map(|row| {
         let estimates =
             keys.iter().flat_map(|key| [value(&row.reliability, key), value(&row.standard_error, key)]);
         let intervals = keys.iter().flat_map(|key| ends(row.interval_of(key)));
-        table.push([row.cycles.to_string()].into_iter().chain(estimates).chain(intervals));
-    }
-    table.into_text()
+        [row.cycles.to_string()].into_iter().chain(estimates).chain(intervals)
+    });
+    csv(columns, rows)
 }
 
 /// Writes `samples.csv`: one row per recorded evaluation with `id`, every random variable by name (SI), every
@@ -157,7 +148,7 @@ pub fn write_samples_csv(path: &Path, campaign: &CampaignFile, scene: &Scene) ->
             columns.extend(checkpoints.iter().map(|cycles| format!("{key}@{cycles}")));
         }
         columns.extend(["failure", "worker", "wall_s", "finished_at", "level"].map(str::to_owned));
-        writer.write_record(columns.iter().map(|name| plain_text(name).into_owned())).map_err(failed)?;
+        writer.write_record(columns.iter().map(|name| plain_text(name))).map_err(failed)?;
         campaign.for_each(|stored| {
             let mut cells = vec![stored.id.to_string()];
             cells.extend(stored.sample.iter().copied().map(number));
@@ -172,7 +163,7 @@ pub fn write_samples_csv(path: &Path, campaign: &CampaignFile, scene: &Scene) ->
                 }));
             }
             let failure = stored.outcome.err().map_or(String::new(), |failure| failure.to_string());
-            let [failure, worker] = [&failure, &stored.worker].map(|text| plain_text(text).into_owned());
+            let [failure, worker] = [&failure, &stored.worker].map(|text| plain_text(text));
             cells.extend([failure, worker, number(stored.wall), stored.finished_at.to_string()]);
             cells.push(stored.level.to_string());
             writer.write_record(&cells).map_err(failed)

@@ -1,16 +1,12 @@
 //! The result of a study, as written to `summary.json` and shown by the report. The field names are the keys of the file: they may
 //! be added to, but not changed. Keys of outputs are their name and unit, e.g. `max_wear_depth_m`.
 
-use super::control_points::ControlPointsRow;
-use super::level_summary::LevelsRow;
 use super::life_summary::{LifeCurveRow, LifeRow, UnresolvedFall};
-use super::outlier_summary::OutlierRow;
-use super::point_summary::{FailurePointRow, PredictionRow};
 pub use super::reliability_summary::{PerLimitState, ReliabilityRange, ReliabilityRow};
 use super::scene_summary::{LimitRow, UnitRow, VariableRow, limit_rows, sha256, unit_rows, variable_rows};
-pub use super::surrogate_summary::{SurrogateRow, UntestedRow};
+use super::summary_rows::{ControlPointsRow, FailurePointRow, LevelsRow, OutlierRow, PredictionRow};
+pub use super::summary_rows::{SurrogateRow, UntestedRow, VariantRow};
 pub use super::timing::{ScaleRow, Timing, WorkerShare};
-pub use super::variant_summary::VariantRow;
 use common::accuracy::Accuracy;
 use common::scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -21,15 +17,13 @@ pub const SCHEMA: u32 = 1;
 
 /// Result of a study.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct StudySummary {
     /// Version of the form of the file; 0 in studies by earlier versions.
-    #[serde(default)]
     pub schema: u32,
     /// Date and time of the start of the study, UTC, as `2026-01-31T12:00:00.000Z`; empty in studies by earlier versions.
-    #[serde(default)]
     pub created: String,
     /// SHA-256 of the text of the scene, as in `scene.toml`, in hexadecimal digits; empty in studies by earlier versions.
-    #[serde(default)]
     pub scene_sha256: String,
     /// Name of the scene.
     pub scene: String,
@@ -46,99 +40,80 @@ pub struct StudySummary {
     /// Error budget of the accuracy as a share of the limits [1]; absent if the accuracy was given by name.
     pub max_error: Option<f64>,
     /// Finer levels of accuracy and the differences that pairs of simulations showed; absent without any, and in studies by earlier versions.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub levels: Option<LevelsRow>,
     /// Variants of the model; empty without any.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub variants: Vec<VariantRow>,
     /// Size of the final Monte Carlo population.
     pub population: usize,
     /// Condition of that population, if failures were too rare for an unconditional one.
-    #[serde(default)]
     pub conditional: Option<ConditionRow>,
     /// Numbers of evaluations.
     pub evaluations: EvaluationCounts,
     /// Keys of the design variables: the curves are then those over their ranges and the random variables together. Empty for
     /// a study of one design.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub designs: Vec<String>,
     /// Names of the limit states, in the scene's order.
     pub limit_states: Vec<String>,
     /// Limit states with their thresholds, in the same order; empty in studies by earlier versions.
-    #[serde(default)]
     pub limits: Vec<LimitRow>,
     /// Random variables, in the scene's order; empty in studies by earlier versions.
-    #[serde(default)]
     pub variables: Vec<VariableRow>,
     /// Units of the random variables and outputs; empty in studies by earlier versions.
-    #[serde(default)]
     pub units: Vec<UnitRow>,
     /// Reliabilities, one row per checkpoint.
     pub reliability: Vec<ReliabilityRow>,
     /// Lives at the usual levels of reliability, per limit state and in total; empty with a single checkpoint and in studies by
     /// earlier versions.
-    #[serde(default)]
     pub lives: Vec<LifeRow>,
     /// Reliability between the checkpoints, per limit state and in total, from which the lives are read; empty where `lives` is.
-    #[serde(default)]
     pub curves: Vec<LifeCurveRow>,
     /// The interval that contains too much of the fall of R for its checkpoints, if there is one.
-    #[serde(default)]
     pub unresolved_fall: Option<UnresolvedFall>,
     /// Outputs of the motion of the nominal mechanism with more control points; empty where that was not compared.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub control_points: Vec<ControlPointsRow>,
     /// First failures, one row per checkpoint; empty in studies by earlier versions.
-    #[serde(default)]
     pub first_failure: Vec<FirstFailureRow>,
     /// Simulations without a result.
-    #[serde(default)]
     pub failures: Failures,
     /// Simulations that exceeded a limit within the life studied, of those that the surrogates use; absent with direct simulation
     /// and in studies by earlier versions.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub simulations_beyond_a_limit: Option<usize>,
     /// Outliers whose samples were evaluated again; absent without any.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub outliers: Vec<OutlierRow>,
     /// Failure probabilities that no simulation has tested.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub untested: Option<UntestedRow>,
     /// Moments of the outputs, one row per checkpoint.
     pub moments: Vec<MomentsRow>,
     /// Derivatives of the failure probabilities.
     pub sensitivity: Vec<SensitivityRow>,
     /// Sobol indices of the limit states' outputs; none with direct simulation.
-    #[serde(default)]
     pub sobol: Vec<SobolRow>,
     /// Most probable failures, one row per limit state with failures; empty in studies by earlier versions.
-    #[serde(default)]
     pub failure_points: Vec<FailurePointRow>,
     /// Rounds of learning and the reason of the stop.
     pub convergence: Convergence,
     /// Surrogates at the end; empty with direct simulation.
-    #[serde(default)]
     pub surrogates: Vec<SurrogateRow>,
     /// Predictions of the surrogates for their own simulations, one row per limit state; empty with direct simulation and in
     /// studies by earlier versions.
-    #[serde(default)]
     pub predictions: Vec<PredictionRow>,
     /// Times of the study, over all its runs.
     pub timing_s: Timing,
     /// Contributions of the workers.
     pub workers: Vec<WorkerShare>,
     /// Jobs of a batch system; absent where the last run asked for none.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub scale: Option<ScaleRow>,
 }
 
 impl StudySummary {
-    /// Largest number of workers that simulated in one run of the study.
-    pub fn workers_in_a_run(&self) -> usize {
-        let most = self.timing_s.workers as usize;
-        if most == 0 { self.workers.len() } else { most }
-    }
-
     /// Sets what identifies the study: its scene, the text of the scene, and the time when the study began.
     pub fn identify(&mut self, scene: &Scene, source: &str, created: &str) {
         self.schema = SCHEMA;
@@ -326,7 +301,6 @@ pub struct Convergence {
     pub targets_met: bool,
     /// Budget for `resume --max-evaluations`, if the budget ended learning before its targets were met; absent otherwise,
     /// and in studies by earlier versions.
-    #[serde(default)]
     pub larger_budget: Option<usize>,
     /// Rounds of learning, in their order.
     pub rounds: Vec<Round>,

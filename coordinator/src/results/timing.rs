@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// Wall-clock times of a study [s], summed over its runs.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Timing {
     /// Duration of the study, without the time between its runs.
     pub total: f64,
@@ -14,10 +15,8 @@ pub struct Timing {
     /// Time in which no evaluation was under way, summed over the slots.
     pub idle: f64,
     /// Number of runs; 0 in studies by earlier versions, whose times are those of the last run.
-    #[serde(default)]
     pub runs: u32,
     /// Largest number of workers that simulated in one run; 0 in studies by earlier versions.
-    #[serde(default)]
     pub workers: u32,
 }
 

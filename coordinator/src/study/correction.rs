@@ -7,8 +7,8 @@
 //! What the pairs of a study gave, for its summary.
 
 use super::{Observed, ObservedOutcome, Settings};
-use crate::results::level_summary::{DifferenceRow, LevelsRow};
 use crate::results::summary::StudySummary;
+use crate::results::summary_rows::{DifferenceRow, LevelsRow};
 use crate::statistics::levels::{HistoryDifference, HistoryPair};
 use crate::statistics::reliability::REACH;
 use common::scene::{LimitState, Scene};

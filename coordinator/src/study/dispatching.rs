@@ -367,7 +367,6 @@ impl StudyRequests<'_, '_> {
             }
         }
         self.record.observer.notice(&Progress::BatchStarted {
-            size,
             planned: self.record.next_id as usize,
             budget: self.record.budget,
             purpose: purpose.to_owned(),

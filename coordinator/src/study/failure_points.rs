@@ -5,7 +5,7 @@
 //! # Source
 //! Hasofer, Lind (1974), Exact and invariant second-moment code format, Journal of the Engineering Mechanics Division 100(1).
 
-use crate::results::point_summary::{CoordinateRow, FailurePointRow};
+use crate::results::summary_rows::{CoordinateRow, FailurePointRow};
 use crate::statistics::design::Population;
 use crate::statistics::sensitivity::Sampled;
 use common::random::RandomVariable;

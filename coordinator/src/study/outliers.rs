@@ -8,7 +8,7 @@
 
 use super::observations::ObservedOutcome;
 use crate::farm::evaluate::agree;
-use crate::results::outlier_summary::{OutlierEvaluation, OutlierRow};
+use crate::results::summary_rows::{OutlierEvaluation, OutlierRow};
 use common::failure::SimulationFailure;
 use common::scene::Scene;
 

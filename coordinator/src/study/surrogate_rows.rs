@@ -4,8 +4,8 @@
 use super::plan::ResponseLayout;
 use super::surrogates::ModeResults;
 use super::{CampaignResult, Surrogate};
-use crate::results::point_summary::PredictionRow;
 use crate::results::summary::{SobolError, SobolRow};
+use crate::results::summary_rows::PredictionRow;
 use crate::statistics::learning::Mode;
 use crate::statistics::sensitivity::{SAMPLES, Sobol, sobol_indices, surrogate_errors};
 use crate::statistics::surrogate::Kriging;

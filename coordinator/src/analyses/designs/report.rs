@@ -11,7 +11,7 @@ use crate::presentation::report::life::{
     LEVELS, LifeAt, life_and_limits, life_at, life_with_limits, reliability, unresolved_fall,
 };
 use crate::presentation::report::{Answer, AnswerPart, ComparedStudy, Table};
-use crate::results::csv_table::{CsvTable, number};
+use crate::results::csv_table::{self, number};
 use crate::results::summary::StudySummary;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
@@ -212,13 +212,13 @@ fn best_in_words(report: &DesignReport<'_>, best: &Best) -> String {
 /// and the 95 % interval `lower`, `upper`.
 fn csv(space: &DesignSpace, answers: &[DesignAnswer]) -> String {
     let labels = space.variables().iter().map(DesignVariable::label);
-    let mut table = CsvTable::new(labels.chain(CURVE_COLUMNS.map(str::to_owned)));
+    let mut rows = Vec::new();
     for answer in answers {
         let values: Vec<String> = answer.values.iter().map(|value| number(*value)).collect();
         for name in curve_names(&answer.summary) {
-            curve_cells(&answer.summary, &name)
-                .for_each(|cells| table.push(values.iter().cloned().chain(cells)));
+            let cells = curve_cells(&answer.summary, &name);
+            rows.extend(cells.map(|cells| [&values[..], &cells[..]].concat()));
         }
     }
-    table.into_text()
+    csv_table::csv(labels.chain(CURVE_COLUMNS.map(str::to_owned)), rows)
 }

@@ -4,7 +4,6 @@ use super::compare::{OutputError, REQUIRED_SHARE, SettingComparison, TIMES};
 use super::lives::LifeChange;
 use super::measure::Measurement;
 use crate::presentation::report::{Answer, AnswerPart, Table, csv};
-use crate::results::csv_table::CsvTable;
 use common::accuracy::NamedAccuracy;
 use common::scene::Scene;
 
@@ -154,7 +153,7 @@ fn life_cells(life: Option<&LifeChange>) -> [Cell; 6] {
 /// `unit`.
 pub fn values_csv(scene: &Scene, settings: &[NamedAccuracy], measurement: &Measurement) -> String {
     let columns = ["setting", "point", "output", "unit", "cycles", "value", "reference", "stated_error"];
-    let mut table = CsvTable::new(columns);
+    let mut rows = Vec::new();
     for (setting, points) in settings.iter().zip(&measurement.settings) {
         for (point, (measured, reference)) in points.iter().zip(&measurement.reference).enumerate() {
             let (Ok(found), Ok(reference)) = (&measured.outcome, &reference.outcome) else { continue };
@@ -165,10 +164,10 @@ pub fn values_csv(scene: &Scene, settings: &[NamedAccuracy], measurement: &Measu
                         [&setting.name, &point.to_string(), &output.name, unit.suffix(), &cycles.to_string()];
                     let values = [found.histories[k][n], reference.histories[k][n], found.errors[k][n]];
                     let values = values.map(|si| format!("{:e}", unit.to_file(si)));
-                    table.push(own.into_iter().chain(values.iter().map(String::as_str)));
+                    rows.push([own.map(str::to_owned).as_slice(), values.as_slice()].concat());
                 }
             }
         }
     }
-    table.into_text()
+    csv(columns, rows)
 }

@@ -7,7 +7,7 @@ pub use variants_file::{ModelVariant, read};
 
 use crate::analyses::paired_results::PairedResults;
 use crate::results::summary::StudySummary;
-use crate::results::variant_summary::VariantRow;
+use crate::results::summary_rows::VariantRow;
 use crate::statistics::reliability::paired::OtherErrors;
 use crate::study::{CampaignResult, LearnedVariant, Settings, result_of};
 use common::scene::Scene;

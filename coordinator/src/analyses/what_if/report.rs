@@ -3,13 +3,13 @@
 use super::answer::{Agreement, WhatIf};
 use super::changes::{ChangedThreshold, ChangedVariable, LawParameters};
 use crate::analyses::paired_results::{curve_names, spread};
+use crate::presentation::report::compare::change_of_life;
 use crate::presentation::report::format::{
     before_unit, count, percent, shortest, signed_with_width, three_digits, unit_scale,
 };
 use crate::presentation::report::life::{
     LEVELS, life_at, life_with_limits, reliability, rows_that_matter, unresolved_fall,
 };
-use crate::presentation::report::life_change::change_of_life;
 use crate::presentation::report::{Answer, AnswerPart, ComparedStudy, Table};
 use crate::results::summary::{FirstFailureRow, StudySummary};
 use crate::statistics::reliability::paired::Change;

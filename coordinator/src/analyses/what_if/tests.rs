@@ -4,7 +4,7 @@ use super::*;
 use crate::farm::evaluate::{Request, local::LocalEvaluator};
 use crate::results::journal::InMemoryJournal;
 use crate::results::progress::Silent;
-use crate::results::store::{CampaignFile, CampaignMeta, FurtherEvaluations};
+use crate::results::store::{CampaignFile, CampaignMeta, FurtherEvaluations, StoredEvaluation};
 use crate::results::summary::StudySummary;
 use crate::study::{FurtherLearning, Observed, Settings, StoredOutcome, run};
 use common::outputs::Evaluation;
@@ -160,7 +160,7 @@ fn a_population_outside_of_the_simulations_is_named() {
 /// Every outcome that a campaign file holds.
 fn known(file: &CampaignFile) -> Vec<StoredOutcome> {
     let mut all = Vec::new();
-    file.for_each_known(|sample, outcome| {
+    file.for_each_known(false, |StoredEvaluation { sample, outcome, .. }| {
         all.push(StoredOutcome { sample, outcome: outcome.map(Observed::from_evaluation) });
     })
     .unwrap();

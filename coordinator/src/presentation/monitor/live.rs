@@ -5,10 +5,8 @@
 use super::study_section::{STYLE, StatusSource, study_section};
 use crate::farm::dispatch::StatusBoard;
 use crate::presentation::progress::{record, state_of_study};
-use crate::presentation::report::nominal_page::NominalView;
-use crate::presentation::report::{
-    self, Figure, FigureFiles, LiveStatus, Page, ReportInput, SUMMARY_DOCUMENT,
-};
+use crate::presentation::report::nominal_page::before_results;
+use crate::presentation::report::{self, Figure, LiveStatus, Page, ReportInput, SUMMARY_DOCUMENT};
 use crate::results::progress::{Observer, Progress};
 use crate::results::store::{CampaignFile, StoreError};
 use crate::results::summary::{EvaluationCounts, ReliabilityRow, Round, StudySummary};
@@ -175,7 +173,8 @@ impl LivePage {
         // After the longest wait, the answer is the unchanged revision.
         let _ = tokio::time::timeout(LONGEST_WAIT, newer).await;
         let observed = self.observed();
-        let line = if observed.ended { self.last_line() } else { line(&observed) };
+        let end = || format!("The study has ended; its report is {}", self.report_file().display());
+        let line = if observed.ended { end() } else { line(&observed) };
         PageUpdate { revision: *self.revision.borrow(), line, ended: observed.ended }
     }
 
@@ -192,10 +191,6 @@ impl LivePage {
     pub fn mark_ended(&self) {
         self.observed().ended = true;
         self.revision.send_modify(|revision| *revision += 1);
-    }
-
-    fn last_line(&self) -> String {
-        format!("The study has ended; its report is {}", self.report_file().display())
     }
 
     /// Time for which the last page is still reused.
@@ -236,9 +231,8 @@ impl LivePage {
 
     /// The page before the first round of learning: the nominal mechanism against its limits.
     fn before_results(&self, reason: &str) -> Page {
-        let (evaluation, drawing) = (self.nominal(), self.drawing.as_ref());
-        let view = NominalView { scene: &self.scene, summary: self.blank.clone(), evaluation, drawing };
-        view.before_results(reason)
+        let input = ReportInput::of_one(&self.scene, self.blank.clone(), self.nominal().cloned());
+        before_results(&input, self.drawing.as_ref(), reason)
     }
 
     /// The evaluation at the means of the variables, which the study requests first.
@@ -282,14 +276,14 @@ impl LivePage {
     }
 
     /// The report of the evaluations in the file with this summary, or with the one in the file.
-    fn report(&self, summary: Option<&StudySummary>) -> Result<Page, report::ReportError> {
+    fn report(&self, summary: Option<&StudySummary>) -> Result<Page, StoreError> {
         let mut copy = CampaignFile::look(&self.dir)?;
         if let Some(summary) = summary {
             copy.put_document(SUMMARY_DOCUMENT, summary)?;
         }
         let missing = || StoreError::NoCampaign(self.dir.clone());
         let input = ReportInput::from_campaign(&copy, &self.scene)?.ok_or_else(missing)?;
-        Ok(report::render(&input, FigureFiles::Absent))
+        Ok(report::render(&input, false))
     }
 }
 
@@ -338,8 +332,7 @@ mod tests {
         let mut relay = ProgressRelay { next: &mut silent, board: board.clone(), live: None };
         let source = StatusSource::Alone { board, slots: 2, since: Instant::now() };
         assert_eq!(source.status().unwrap().phase, Phase::Learning);
-        let batch =
-            Progress::BatchStarted { size: 5, planned: 5, budget: 40, purpose: "initial design".into() };
+        let batch = Progress::BatchStarted { planned: 5, budget: 40, purpose: "initial design".into() };
         relay.notice(&batch);
         for (done, failed, recalled) in [(1, false, true), (2, true, false)] {
             relay.notice(&Progress::Evaluated { done, failed, recalled, wall: 0.5 });

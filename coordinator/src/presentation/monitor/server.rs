@@ -45,7 +45,8 @@ pub fn listen_address(given: &str) -> Result<SocketAddr, MonitorError> {
 /// A running server, which ends when dropped.
 #[derive(Debug)]
 pub struct MonitorServer {
-    address: SocketAddr,
+    /// Address it listens on.
+    pub address: SocketAddr,
     runtime: Option<Runtime>,
 }
 
@@ -75,11 +76,6 @@ impl MonitorServer {
         let address = listener.local_addr().map_err(refused)?;
         runtime.spawn(async move { axum::serve(listener, router).await });
         Ok(Self { address, runtime: Some(runtime) })
-    }
-
-    /// Address it listens on.
-    pub fn address(&self) -> SocketAddr {
-        self.address
     }
 }
 

@@ -3,11 +3,10 @@
 use crate::farm::allocation::scale_sentence;
 use crate::farm::dispatch::{StatusBoard, StatusHandle};
 use crate::presentation::format::{count, duration, in_columns};
-use crate::presentation::progress::{RemainingTime, most_evaluations, per_second, reliability_so_far};
+use crate::presentation::progress::{most_evaluations, per_second, reliability_so_far, remaining_time};
 use crate::presentation::report::table;
 use common::wire::{FarmStatus, Phase, Status, StudyStatus, WorkerStatus};
 use maud::{Markup, html};
-use std::fmt::Write;
 use std::time::{Duration, Instant};
 
 /// Style of the section.
@@ -27,10 +26,10 @@ pub fn study_section(study: &StudyStatus, status: Option<&Status>) -> Markup {
                 (count(*done)) " of at most " (count(most)) " evaluations"
                 @if !purpose.is_empty() { " (" (purpose) ")" }
                 @if let Some(rate) = rate { ", " (per_second(rate)) }
-                @match (phase, RemainingTime::of(study, rate)) {
+                @match (phase, remaining_time(study, rate)) {
                     (Some(Phase::Ending), _) => { ", computing the results" }
-                    (_, Some(left)) => {
-                        ", " (left) @if let Some(status) = status { (clock(status.clock_ms, left.seconds, left.is_bound)) }
+                    (_, Some((seconds, left))) => {
+                        ", " (left) @if let Some(status) = status { (clock(status.clock_ms, seconds, most > study.planned)) }
                     }
                     (Some(Phase::Waiting), None) => { ", waiting for workers" }
                     _ => {}
@@ -111,13 +110,6 @@ impl StatusSource {
 
 /// Phase, evaluations, queue, rate, current R, and one line per worker.
 pub fn status_text(status: &Status) -> String {
-    let mut text = String::new();
-    // Writing to a String cannot fail.
-    let _ = write_status(&mut text, status);
-    text.replace('\u{a0}', " ")
-}
-
-fn write_status(text: &mut String, status: &Status) -> std::fmt::Result {
     let (study, farm) = (&status.study, &status.farm);
     let [scene, purpose] = [&study.scene, &study.purpose].map(|text| printable(text));
     let purpose = if purpose.is_empty() { purpose } else { format!(", {purpose}") };
@@ -127,33 +119,30 @@ fn write_status(text: &mut String, status: &Status) -> std::fmt::Result {
         Phase::Learning => "learning, no simulation is running",
         Phase::Ending => "all evaluations done, computing the results",
     };
-    writeln!(text, "{scene}{purpose}: {phase} (for {})", duration(status.up))?;
-    write!(text, "evaluations: {} of {} planned", count(study.done), count(study.planned))?;
-    if study.budget > 0 {
-        write!(text, ", budget {}", count(study.budget))?;
+    let [done, planned, budget, failed, recalled] =
+        [study.done, study.planned, study.budget, study.failed, study.recalled].map(count);
+    let mut text = format!("{scene}{purpose}: {phase} (for {})\n", duration(status.up));
+    text += &format!("evaluations: {done} of {planned} planned");
+    for (number, part) in [
+        (study.budget, format!(", budget {budget}")),
+        (study.failed, format!(", {failed} failed")),
+        (study.recalled, format!(", {recalled} from the campaign file")),
+    ] {
+        text += if number > 0 { part.as_str() } else { "" };
     }
-    for (number, what) in [(study.failed, "failed"), (study.recalled, "from the campaign file")] {
-        if number > 0 {
-            write!(text, ", {} {what}", count(number))?;
-        }
-    }
-    writeln!(text)?;
-    let (queued, under_way, slots) = (count(farm.queued), count(farm.under_way), count(farm.slots()));
-    writeln!(text, "queue: {queued} waiting, {under_way} running on {slots} slots")?;
+    let [queued, under_way, slots] = [farm.queued, farm.under_way, farm.slots()].map(count);
+    text += &format!("\nqueue: {queued} waiting, {under_way} running on {slots} slots\n");
     if farm.rate > 0.0 {
-        let left = RemainingTime::of(study, Some(farm.rate));
-        let remaining = left.map(|left| format!(", {left}")).unwrap_or_default();
-        writeln!(text, "rate: {} in the last minute{remaining}", per_second(farm.rate))?;
+        let left = remaining_time(study, Some(farm.rate));
+        let remaining = left.map(|(_, left)| format!(", {left}")).unwrap_or_default();
+        text += &format!("rate: {} in the last minute{remaining}\n", per_second(farm.rate));
     }
     if let Some(so_far) = &study.reliability {
         let so_far = reliability_so_far(so_far.cycles, so_far.total, so_far.standard_error);
-        writeln!(text, "reliability so far: {so_far}, after {} rounds", count(study.rounds))?;
+        text += &format!("reliability so far: {so_far}, after {} rounds\n", count(study.rounds));
     }
     if let Some(scale) = &status.scale {
-        writeln!(text, "{}", printable(&scale_sentence(scale)))?;
-    }
-    if farm.workers.is_empty() {
-        return writeln!(text, "no worker is connected");
+        text += &format!("{}\n", printable(&scale_sentence(scale)));
     }
     let head = ["worker", "slots", "tasks", "done", "rate"].map(str::to_owned).to_vec();
     let row = |worker: &WorkerStatus| {
@@ -161,7 +150,9 @@ fn write_status(text: &mut String, status: &Status) -> std::fmt::Result {
         vec![printable(name), slots.to_string(), under_way.to_string(), count(*done), per_second(*rate)]
     };
     let rows: Vec<Vec<String>> = std::iter::once(head).chain(farm.workers.iter().map(row)).collect();
-    write!(text, "\n{}", in_columns(&rows, &[0]))
+    let of_workers = format!("\n{}", in_columns(&rows, &[0]));
+    text += if farm.workers.is_empty() { "no worker is connected\n" } else { of_workers.as_str() };
+    text.replace('\u{a0}', " ")
 }
 
 /// Received text without control characters, which could control a terminal.

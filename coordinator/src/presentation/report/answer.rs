@@ -1,11 +1,10 @@
 //! The answer of a command: texts, tables and figures in their order, on a terminal, in Markdown and as a page.
 
 use super::figures::compared;
-use super::page::{self, wrapped};
-use super::{ComparedStudy, Figure, table};
-use super::{ReportError, write_figures};
+use super::page::{self, Page};
+use super::{ComparedStudy, Figure, table, write_figures};
 use crate::presentation::format::{in_columns, joined};
-use crate::results::result_files::{create_folder, write_text};
+use crate::results::result_files::{ResultFileError, create_folder, write_text};
 use maud::{Markup, html};
 use std::path::{Path, PathBuf};
 
@@ -161,15 +160,15 @@ impl Answer {
                 }
             }
         };
-        wrapped(&self.title, &body)
+        Page::new(&self.title, body).html(None)
     }
 
     /// Writes the page as `NAME.html`, the text as `NAME.md`, the figures as `figures/*.svg` with their numbers as `figures/*.csv`,
     /// and the further files into the folder `dir`, which is created if missing; returns the path of the page.
     ///
     /// # Errors
-    /// [`ReportError`].
-    pub fn write(&self, dir: &Path) -> Result<PathBuf, ReportError> {
+    /// [`ResultFileError`].
+    pub fn write(&self, dir: &Path) -> Result<PathBuf, ResultFileError> {
         let drawn = self.all_figures();
         create_folder(dir)?;
         if !drawn.is_empty() {

@@ -1,6 +1,6 @@
 //! A chart of pairs of horizontal bars with their errors, one pair per variable.
 
-use super::plot::{DrawError, LETTERS, draw, legend, letters, px, stroke};
+use super::plot::{DrawError, draw, draw_legend, legend, legend_height, letters, px, stroke};
 use super::{Drawing, Figure, Ink, Series, Shape, csv, tick_label};
 use crate::results::csv_table::number;
 use plotters::coord::types::RangedCoordf64;
@@ -23,16 +23,8 @@ const LONGEST: usize = 21;
 /// Half-length of the error lines [standard errors].
 const REACH: f64 = 1.96;
 
-/// The two bars of one variable.
-#[derive(Debug, Clone, PartialEq)]
-pub struct BarPair {
-    /// Name of the variable.
-    pub name: String,
-    /// Lengths of its bars.
-    pub values: [f64; 2],
-    /// Their standard errors.
-    pub errors: [f64; 2],
-}
+/// The two bars of one variable: its name, their lengths, and the standard errors of these.
+pub type BarPair = (String, [f64; 2], [f64; 2]);
 
 /// A chart of pairs of bars.
 pub struct Bars<'a> {
@@ -55,9 +47,9 @@ impl Bars<'_> {
     pub fn figure(&self, title: &str, caption: &str) -> Figure {
         let [first, second] = self.labels;
         let errors = self.labels.map(|label| format!("{label}, standard error"));
-        let row = |pair: &BarPair| {
-            let ([a, b], [da, db]) = (pair.values.map(number), pair.errors.map(number));
-            vec![pair.name.clone(), a, da, b, db]
+        let row = |(name, values, errors): &BarPair| {
+            let ([a, b], [da, db]) = (values.map(number), errors.map(number));
+            [name.clone(), a, da, b, db]
         };
         let csv = csv(&["variable", first, &errors[0], second, &errors[1]], self.all.iter().map(row));
         let [name, title, caption] = [self.figure, title, caption].map(str::to_owned);
@@ -66,21 +58,22 @@ impl Bars<'_> {
 
     fn drawing(&self) -> Drawing {
         let rows = &self.all[..self.shown.min(self.all.len())];
-        let longest = rows.iter().flat_map(|pair| pair.values).map(f64::abs).fold(0.0, f64::max);
+        let longest =
+            rows.iter().flat_map(|(_, values, _)| values).map(|value| value.abs()).fold(0.0, f64::max);
         let longest = if longest > 0.0 { 1.12 * longest } else { 1.0 };
         let inks = [Ink::Series(0), Ink::Series(1)];
-        let names: Vec<String> = rows.iter().map(|pair| pair.name.clone()).collect();
+        let names: Vec<String> = rows.iter().map(|(name, ..)| name.clone()).collect();
         let meaning =
             |bar: usize| Series::new(self.labels[bar], inks[bar], Shape::Steps(vec![])).filled(0.75);
         let (range, legend) = (if self.signed { -longest } else { 0.0 }..longest, &[0, 1].map(meaning));
         let chart =
             NamedRows { names: &names, row: ROW, legend, axis: self.axis, range: range.clone(), ticks: 6 };
         chart.draw(|chart| {
-            for (k, pair) in rows.iter().enumerate() {
+            for (k, (_, values, errors)) in rows.iter().enumerate() {
                 let top = (rows.len() - k) as f64;
                 for (bar, ink) in inks.into_iter().enumerate() {
                     let (from, to) = (top - 0.12 - 0.4 * bar as f64, top - 0.46 - 0.4 * bar as f64);
-                    let (value, reach) = (pair.values[bar], REACH * pair.errors[bar]);
+                    let (value, reach) = (values[bar], REACH * errors[bar]);
                     chart.draw_series([Rectangle::new([(0.0, from), (value, to)], ink.rgb().filled())])?;
                     let ends = [value - reach, value + reach].map(|x| x.clamp(range.start, longest));
                     let line = ends.map(|x| (x, 0.5 * (from + to)));
@@ -119,7 +112,7 @@ impl NamedRows<'_> {
         // A tick that is the sum of steps misses 0 by their rounding.
         let rounding = 1e-9 * (self.range.end - self.range.start);
         let tick = |value: &f64| tick_label(if value.abs() < rounding { 0.0 } else { *value });
-        let top = 10.0 + 20.0 * legend.rows as f64;
+        let top = 10.0 + legend_height(&legend);
         draw(self.row * count + top + AXIS, |root| {
             let mut chart = ChartBuilder::on(root)
                 .margin_top(px(top))
@@ -135,19 +128,19 @@ impl NamedRows<'_> {
                 .max_light_lines(0)
                 .bold_line_style(stroke(Ink::Grid, 1.0))
                 .axis_style(stroke(Ink::Muted, 1.0))
-                .label_style(letters(LETTERS, Ink::Muted))
-                .axis_desc_style(letters(LETTERS, Ink::Ink))
+                .label_style(letters(Ink::Muted))
+                .axis_desc_style(letters(Ink::Ink))
                 .set_all_tick_mark_size(px(4.0))
                 .x_label_formatter(&tick)
                 .x_desc(self.axis)
                 .draw()?;
             paint(&mut chart)?;
-            let right = letters(LETTERS, Ink::Ink).pos(Pos::new(HPos::Right, VPos::Center));
+            let right = letters(Ink::Ink).pos(Pos::new(HPos::Right, VPos::Center));
             for (k, name) in self.names.iter().enumerate() {
                 let middle = px(top + self.row * (k as f64 + 0.5));
                 root.draw(&Text::new(shortened(name), (px(NAMES - 7.0), middle), right.clone()))?;
             }
-            legend.draw_on(root)
+            draw_legend(&legend, root)
         })
     }
 }
@@ -164,11 +157,8 @@ mod tests {
 
     #[test]
     fn the_numbers_hold_all_and_the_drawing_the_first() {
-        let pair = |k: usize| BarPair {
-            name: format!("variable {k}, {}", "long".repeat(k)),
-            values: [0.1 / (k + 1) as f64, -0.2],
-            errors: [0.01, 0.0],
-        };
+        let name = |k: usize| format!("variable {k}, {}", "long".repeat(k));
+        let pair = |k: usize| (name(k), [0.1 / (k + 1) as f64, -0.2], [0.01, 0.0]);
         let bars = Bars {
             figure: "f",
             labels: ["a", "b"],

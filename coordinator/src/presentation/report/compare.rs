@@ -1,14 +1,14 @@
-//! Comparison of finished studies on one page: overlaid reliability curves, lives, and computing effort; and the curves
-//! as CSV.
+//! Comparison of finished studies on one page: overlaid reliability curves, lives, and computing effort; the curves as CSV; and the change
+//! of a life in words: the best estimate with its 95 % interval, or what is known of it where one of the lives is only bounded.
 
 use super::figures::capital;
-use super::format::{UNKNOWN, count, duration};
-use super::life::{LEVELS, failure_probability, life_at, life_with_limits, unresolved_fall};
-use super::life_change::change_between;
+use super::format::{UNKNOWN, count, duration, rounded_cycles};
+use super::life::{LEVELS, LifeAt, failure_probability, life_at, life_with_limits, unresolved_fall};
 use super::words;
 use super::{Answer, AnswerPart, SERIES, Table};
-use crate::results::csv_table::{CsvTable, number};
+use crate::results::csv_table::{self, number};
 use crate::results::summary::{PerLimitState, StudySummary};
+use crate::statistics::reliability::paired::{Change, IntervalEstimate, OtherErrors, change};
 use std::collections::BTreeSet;
 use thiserror::Error;
 
@@ -60,6 +60,7 @@ const MOST_KEYS: usize = 12;
 /// of its files.
 pub fn answer(name: String, studies: Vec<ComparedStudy>, differing: &[(String, Vec<String>)]) -> Answer {
     let names: Vec<&str> = studies.iter().map(|study| study.name.as_str()).collect();
+    let scenes = BTreeSet::from_iter(studies.iter().map(|study| study.summary.scene.as_str()));
     let first = &studies[0];
     let is_static = first.summary.is_static();
     let text = |text: &str| AnswerPart::Text(text.to_owned());
@@ -87,17 +88,13 @@ pub fn answer(name: String, studies: Vec<ComparedStudy>, differing: &[(String, V
     parts.push(AnswerPart::Table(effort(&studies)));
     Answer {
         title: format!("Studies compared: {}", names.join(", ")),
-        subtitle: format!("Scenes: {}", scenes(&studies).into_iter().collect::<Vec<_>>().join(", ")),
+        subtitle: format!("Scenes: {}", Vec::from_iter(scenes).join(", ")),
         files: vec![(format!("{name}.csv"), csv(&studies))],
         name,
         parts,
         curves: studies,
         ..Answer::default()
     }
-}
-
-fn scenes(studies: &[ComparedStudy]) -> BTreeSet<&str> {
-    studies.iter().map(|study| study.summary.scene.as_str()).collect()
 }
 
 /// Lives of every study at the usual levels of reliability, or its probability of failure.
@@ -155,13 +152,11 @@ fn effort(studies: &[ComparedStudy]) -> Table {
 /// Every curve of every study: `study`, `limit_state`, `cycles`, `R`, `standard_error`, and the 95 % interval `lower`, `upper`,
 /// one row per checkpoint.
 pub fn csv(studies: &[ComparedStudy]) -> String {
-    let mut table = CsvTable::new(["study"].into_iter().chain(CURVE_COLUMNS));
-    for ComparedStudy { name: study, summary } in studies {
-        for name in studies[0].summary.curve_names() {
-            curve_cells(summary, name).for_each(|cells| table.push([study.clone()].into_iter().chain(cells)));
-        }
-    }
-    table.into_text()
+    let rows = studies.iter().flat_map(|ComparedStudy { name: study, summary }| {
+        let cells = studies[0].summary.curve_names().flat_map(|name| curve_cells(summary, name));
+        cells.map(|cells| [study.clone()].into_iter().chain(cells))
+    });
+    csv_table::csv(["study"].into_iter().chain(CURVE_COLUMNS), rows)
 }
 
 /// Columns of the rows of [`curve_cells`].
@@ -176,6 +171,66 @@ pub fn curve_cells<'s>(summary: &'s StudySummary, name: &'s str) -> impl Iterato
         let [lower, upper] = range.unwrap_or_default();
         [name.to_owned(), row.cycles.to_string(), r, error, lower, upper]
     })
+}
+
+/// The change from `before` to `after` of a life, e.g. `+910 (700 to 1 120)` [cycles]; `known` is its estimate where both lives
+/// are resolved.
+pub fn change_of_life(known: Option<Change>, before: LifeAt, after: LifeAt) -> String {
+    known.map_or_else(|| bound(before, after), |change| in_cycles(&change))
+}
+
+/// The change of a life between two studies with independent samples, of the curve `name` at `level`, and in words; `None` where
+/// one of the lives is not resolved. All errors are taken as independent.
+pub fn change_between(
+    [before, after]: [&StudySummary; 2],
+    (name, level): (&str, f64),
+) -> (Option<Change>, String) {
+    let [before, after] = [before, after].map(|summary| life_at(summary, name, level));
+    let estimate = |life: LifeAt| match life {
+        LifeAt::Cycles { life, lower, upper } => {
+            // Without a correlation the part of sampling plays no role.
+            Some(IntervalEstimate { value: life, lower, upper, sampling: 0.0 })
+        }
+        LifeAt::Unworn { .. } | LifeAt::Between { .. } | LifeAt::Beyond { .. } => None,
+    };
+    let known = estimate(before)
+        .zip(estimate(after))
+        .map(|(before, after)| change(before, after, 0.0, OtherErrors::Independent));
+    (known, change_of_life(known, before, after))
+}
+
+fn in_cycles(change: &Change) -> String {
+    let ends = [change.lower, change.upper];
+    let width = ends.iter().flatten().map(|end| (end - change.value).abs()).fold(0.0, f64::max);
+    let shown = |value: f64| {
+        let text = rounded_cycles(value.abs(), width);
+        match value {
+            v if v < 0.0 && text != "0" => format!("\u{2212}{text}"),
+            v if v > 0.0 && text != "0" => format!("+{text}"),
+            _ => text,
+        }
+    };
+    let value = shown(change.value);
+    match ends.map(|end| end.map(shown)) {
+        [Some(lower), Some(upper)] => format!("{value} ({lower} to {upper})"),
+        [Some(lower), None] => format!("{value} (at least {lower})"),
+        [None, Some(upper)] => format!("{value} (at most {upper})"),
+        [None, None] => value,
+    }
+}
+
+/// What is known of a change of life where one of the lives is only bounded.
+fn bound(before: LifeAt, after: LifeAt) -> String {
+    let (sign, change) = match (before, after) {
+        (LifeAt::Cycles { upper: Some(upper), .. }, LifeAt::Beyond { lower, .. }) if lower > upper => {
+            ('+', lower - upper)
+        }
+        (LifeAt::Beyond { lower, .. }, LifeAt::Cycles { upper: Some(upper), .. }) if lower > upper => {
+            ('\u{2212}', lower - upper)
+        }
+        _ => return "not known".to_owned(),
+    };
+    format!("more than {sign}{}", rounded_cycles(change, 0.0))
 }
 
 #[cfg(test)]
@@ -251,5 +306,19 @@ mod tests {
         b.summary.limit_states.truncate(1);
         let said = check(&[a, b]).unwrap_err().to_string();
         assert!(said.contains("wear, asymmetry against asymmetry"), "{said}");
+    }
+    fn cycles(life: f64, half: f64) -> LifeAt {
+        LifeAt::Cycles { life, lower: life - half, upper: Some(life + half) }
+    }
+
+    #[test]
+    fn changes_have_signs_and_intervals_and_bounds_where_a_life_is_not_resolved() {
+        let known = Change { value: 912.0, lower: Some(700.0), upper: Some(1124.0) };
+        let said = change_of_life(Some(known), cycles(5000.0, 10.0), cycles(5912.0, 10.0));
+        assert_eq!(said, "+910 (+700 to +1\u{a0}120)");
+        let beyond = LifeAt::Beyond { lower: 8000.0, end: 8000.0 };
+        assert_eq!(change_of_life(None, cycles(5000.0, 500.0), beyond), "more than +2\u{a0}500");
+        assert_eq!(change_of_life(None, beyond, cycles(5000.0, 500.0)), "more than \u{2212}2\u{a0}500");
+        assert_eq!(change_of_life(None, beyond, beyond), "not known");
     }
 }

@@ -2,7 +2,7 @@
 //! study from the documents `summary` and `distributions`. The report of a finished study needs no new evaluation.
 
 use super::format::words;
-use super::stated_errors::StatedErrorCollector;
+use super::stated_errors::{add_errors, over_life};
 use super::untested::{no_simulated_failure, steps_and_noise};
 use super::{StatedAt, WrittenScene};
 use crate::presentation::motion_cautions::{control_points_notes, motion_cautions};
@@ -42,14 +42,9 @@ pub struct CheckpointDistribution {
     pub quantiles: Vec<(f64, f64)>,
 }
 
-/// A simulation with a result.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SimulatedSample {
-    /// Values of the random variables, in the scene's order `(d,)` [SI].
-    pub values: Vec<f64>,
-    /// Checkpoint by which each limit state has failed, if it has `(limit states,)` [cycles].
-    pub failed_at: Vec<Option<u32>>,
-}
+/// A simulation with a result: values of the random variables, in the scene's order `(d,)` [SI], and checkpoint by which each limit state has
+/// failed, if it has `(limit states,)` [cycles].
+pub type SimulatedSample = (Vec<f64>, Vec<Option<u32>>);
 
 /// Work of all evaluations with a result, summed.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -102,15 +97,15 @@ impl ReportInput {
     pub fn from_campaign(campaign: &CampaignFile, scene: &Scene) -> Result<Option<Self>, StoreError> {
         let Some(mut summary) = campaign.document::<StudySummary>(SUMMARY_DOCUMENT)? else { return Ok(None) };
         // A study by an earlier version has stored less of this.
-        summary.identify(scene, &campaign.meta().scene_source, campaign.created_at());
+        summary.identify(scene, &campaign.meta.scene_source, &campaign.created_at);
         let distributions = campaign.document(DISTRIBUTIONS_DOCUMENT)?.unwrap_or_default();
-        let go_on = go_on(&summary, campaign.dir());
+        let go_on = go_on(&summary, &campaign.dir);
         let mut input = Self::new(scene, summary, distributions);
         input.notes.splice(0..0, go_on);
         input.explicit = campaign.document::<Option<ExplicitModel>>(EXPLICIT_DOCUMENT)?.flatten();
-        input.meta = campaign.meta().clone();
+        input.meta = campaign.meta.clone();
         input.written = WrittenScene::new(&input.meta.scene_source);
-        let mut stated = StatedErrorCollector::default();
+        let (mut checkpoints, mut stated) = (vec![], vec![]);
         campaign.for_each(|stored| {
             if stored.level > 0 {
                 return Ok(());
@@ -118,9 +113,9 @@ impl ReportInput {
             match stored.outcome {
                 Ok(evaluation) => {
                     input.work.add(&evaluation.diagnostics, stored.wall);
-                    stated.add(&evaluation);
-                    let failed_at = failures_of(scene, &evaluation);
-                    input.samples.push(SimulatedSample { values: stored.sample, failed_at });
+                    add_errors(&mut stated, &evaluation.errors);
+                    checkpoints.clone_from(&evaluation.cycles);
+                    input.samples.push((stored.sample, failures_of(scene, &evaluation)));
                     if stored.id == 0 {
                         input.notes.extend(cautions(&evaluation.diagnostics));
                         input.nominal = Some(evaluation);
@@ -132,7 +127,7 @@ impl ReportInput {
             }
             Ok::<(), StoreError>(())
         })?;
-        input.stated = stated.over_life();
+        input.stated = over_life(&checkpoints, stated);
         Ok(Some(input))
     }
 
@@ -277,29 +272,24 @@ fn of_contact_law(scene: &Scene) -> Option<String> {
     (local_hertz && watches_speed).then(|| text.to_owned())
 }
 
-/// The evaluations of a study in which a joint had such a groove.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct GroovedJoint {
-    /// Number of evaluations.
-    pub evaluations: u64,
-    /// Earliest life at which one was there [cycles].
-    pub since: u32,
-    /// The most open one.
-    pub widest: NarrowGroove,
-}
+/// Number of the evaluations of a study in which a joint had such a groove, and the most open one, with the earliest life at which one was
+/// there.
+pub type GroovedJoint = (u64, NarrowGroove);
 
 /// Adds the grooves of one evaluation to the counts of their joints.
 fn add_grooves(grooved: &mut Vec<GroovedJoint>, grooves: &[NarrowGroove]) {
     for groove in grooves {
-        let Some(known) = grooved.iter_mut().find(|joint| joint.widest.joint == groove.joint) else {
-            grooved.push(GroovedJoint { evaluations: 1, since: groove.since, widest: groove.clone() });
+        let Some((evaluations, widest)) = grooved.iter_mut().find(|(_, known)| known.joint == groove.joint)
+        else {
+            grooved.push((1, groove.clone()));
             continue;
         };
-        known.evaluations += 1;
-        known.since = known.since.min(groove.since);
-        if groove.open > known.widest.open {
-            known.widest.clone_from(groove);
+        *evaluations += 1;
+        let since = widest.since.min(groove.since);
+        if groove.open > widest.open {
+            widest.clone_from(groove);
         }
+        widest.since = since;
     }
 }
 
@@ -358,7 +348,8 @@ mod tests {
         ] {
             add_grooves(&mut grooved, &evaluation);
         }
-        let found: Vec<_> = grooved.iter().map(|j| (j.evaluations, j.since, j.widest.open)).collect();
+        let found: Vec<_> =
+            grooved.iter().map(|(number, widest)| (*number, widest.since, widest.open)).collect();
         assert_eq!(found, [(3, 2000, 2e-6), (1, 8000, 5e-7)]);
     }
 }

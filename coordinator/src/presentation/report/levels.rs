@@ -3,9 +3,9 @@
 use super::format::{count, fixed, joined, percent, three_digits};
 use super::life::governing;
 use super::{ReportInput, table, table_of};
-use crate::results::level_summary::DifferenceRow;
 use crate::results::reliability_summary::ErrorParts;
 use crate::results::summary::{ReliabilityRow, StudySummary};
+use crate::results::summary_rows::DifferenceRow;
 use crate::statistics::reliability::REACH;
 use common::scene::LimitState;
 use maud::{Markup, html};
@@ -168,8 +168,8 @@ pub fn sentences(input: &ReportInput) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::level_summary::LevelsRow;
     use crate::results::summary::ConditionRow;
+    use crate::results::summary_rows::LevelsRow;
     use crate::tests::test_study;
 
     #[test]

@@ -7,12 +7,10 @@ mod bars;
 mod chapters;
 pub mod compare;
 pub mod drawing;
-mod figure;
 mod figures;
 mod input;
 pub mod levels;
 pub mod life;
-pub mod life_change;
 mod mechanism;
 pub mod nominal_page;
 mod page;
@@ -31,16 +29,16 @@ mod words;
 mod written;
 
 pub use super::format;
+pub use crate::results::csv_table::csv;
 pub use answer::{Answer, AnswerPart, Table};
 pub use chapters::page as render;
-pub use figure::{Drawing, Figure, csv};
 pub use figures::{ComparedStudy, LifeAxis, VaryingLoads, reliability as reliability_figure};
 pub use input::{
     CheckpointDistribution, DISTRIBUTIONS_DOCUMENT, EXPLICIT_DOCUMENT, ReportInput, SUMMARY_DOCUMENT,
     SimulatedSample, WorkTotals,
 };
 pub use life::{failure_probability, reliability};
-pub use page::{FigureFiles, LiveStatus, Page, captioned, standalone, wrapped};
+pub use page::{Drawing, Figure, LiveStatus, Page, captioned, standalone};
 pub use palette::{Ink, SERIES};
 pub use plot::{Axis, Band, Plot, Points, Scale, Series, Shape, tick_label};
 pub use stated_errors::StatedAt;
@@ -50,42 +48,20 @@ pub use written::WrittenScene;
 use crate::results::result_files::{
     ResultFileError, create_folder, reliability_csv, summary_json, write_samples_csv, write_text,
 };
-use crate::results::store::{CampaignFile, StoreError};
+use crate::results::store::CampaignFile;
 use crate::results::summary::StudySummary;
 use bars::{BarPair, Bars};
 use common::scene::Scene;
 use std::path::{Path, PathBuf};
-use thiserror::Error;
-
-/// Reasons why a report cannot be written.
-#[derive(Debug, Error)]
-pub enum ReportError {
-    /// A file cannot be written.
-    #[error(transparent)]
-    File(#[from] ResultFileError),
-    /// The campaign file cannot be read or written.
-    #[error(transparent)]
-    Store(#[from] StoreError),
-}
-
-impl ReportError {
-    /// True if the user named a file or folder that cannot be used (exit code 2), false for other failures (exit code 1).
-    pub fn is_bad_input(&self) -> bool {
-        match self {
-            Self::File(error) => error.is_bad_input(),
-            Self::Store(error) => error.is_bad_input(),
-        }
-    }
-}
 
 /// Writes `report.html`, and every figure of it as `figures/*.svg` with its numbers as `figures/*.csv`, into `dir`;
 /// returns the path of the page.
 ///
 /// # Errors
-/// [`ReportError`].
-pub fn write(dir: &Path, input: &ReportInput) -> Result<PathBuf, ReportError> {
-    let page = render(input, FigureFiles::NextToPage);
-    write_figures(dir, page.figures())?;
+/// [`ResultFileError`].
+pub fn write(dir: &Path, input: &ReportInput) -> Result<PathBuf, ResultFileError> {
+    let page = render(input, true);
+    write_figures(dir, &page.figures)?;
     let path = dir.join("report.html");
     write_text(&path, &page.html(None))?;
     Ok(path)
@@ -106,18 +82,18 @@ fn write_figures(dir: &Path, figures: &[Figure]) -> Result<(), ResultFileError> 
 /// returns the path of the page.
 ///
 /// # Errors
-/// [`ReportError`].
+/// [`ResultFileError`].
 pub fn deliver(
     campaign: &mut CampaignFile,
     scene: &Scene,
     summary: &StudySummary,
     distributions: &[CheckpointDistribution],
-) -> Result<PathBuf, ReportError> {
+) -> Result<PathBuf, ResultFileError> {
     // Checked before anything is stored: numbers that JSON cannot hold could not be read back.
     summary_json(summary)?;
     campaign.put_document(DISTRIBUTIONS_DOCUMENT, &distributions)?;
     campaign.put_document(SUMMARY_DOCUMENT, summary)?;
-    let written = write_all(campaign, scene, campaign.dir(), &[])?;
+    let written = write_all(campaign, scene, &campaign.dir, &[])?;
     Ok(written.expect("the summary was stored two statements ago"))
 }
 
@@ -126,13 +102,13 @@ pub fn deliver(
 /// those of the scene. Returns the path of the page, or `None` if the study has not been finished.
 ///
 /// # Errors
-/// [`ReportError`].
+/// [`ResultFileError`].
 pub fn write_all(
     campaign: &CampaignFile,
     scene: &Scene,
     dir: &Path,
     texts: &[(&'static str, &str)],
-) -> Result<Option<PathBuf>, ReportError> {
+) -> Result<Option<PathBuf>, ResultFileError> {
     let Some(mut input) = ReportInput::from_campaign(campaign, scene)? else { return Ok(None) };
     input.sign(texts);
     create_folder(dir)?;

@@ -3,102 +3,81 @@
 
 use super::figures;
 use super::format::{UNKNOWN, count, joined, whole, with_unit};
-use super::{Figure, FigureFiles, Page, ReportInput, captioned};
+use super::{Figure, Page, ReportInput, captioned};
 use super::{chapters, studied, tables};
 use crate::presentation::nominal_life::{NominalLife, nominal_lives};
-use crate::results::summary::StudySummary;
-use common::outputs::Evaluation;
-use common::scene::Scene;
 use maud::{Markup, html};
 
-/// One mechanism and what is known of it.
-pub struct NominalView<'v> {
-    /// Scene of the mechanism.
-    pub scene: &'v Scene,
-    /// Summary without results of a study.
-    pub summary: StudySummary,
-    /// Its evaluation, once there is one.
-    pub evaluation: Option<&'v Evaluation>,
-    /// Its drawing as long as there is no evaluation.
-    pub drawing: Option<&'v Figure>,
+/// The page before the first results of a study, with the reason why there are none; `drawing` is that of the mechanism as long as there is
+/// no evaluation.
+pub fn before_results(input: &ReportInput, drawing: Option<&Figure>, reason: &str) -> Page {
+    let mut page = Page::new(&input.scene.title, chapters::header(input));
+    page.add(html! { p.none { (reason) } });
+    begin(&mut page, input, drawing);
+    page
 }
 
-impl NominalView<'_> {
-    /// The page before the first results of a study, with the reason why there are none.
-    pub fn before_results(&self, reason: &str) -> Page {
-        let input = self.input();
-        let mut page = Page::new(&self.scene.title, chapters::header(&input), FigureFiles::Absent);
-        page.add(html! { p.none { (reason) } });
-        self.begin(&mut page, &input);
-        page
-    }
-
-    /// The page of one simulation; `facts` are pairs of a name and what it stands for, and `source` is the text of the scene.
-    pub fn page(&self, facts: &[(&str, String)], source: &str) -> Page {
-        let input = self.input();
-        let header = html! {
-            header {
-                p.brand { "Hingewise" }
-                h1 { (self.scene.title) }
-                p.meta { "Simulation of one mechanism, scene " code { (self.scene.name) } }
-            }
-        };
-        let mut page = Page::new(&self.scene.title, header, FigureFiles::Absent);
-        let rows = facts.iter().map(|(name, value)| [*name, value]);
-        page.add(captioned("facts", "The simulation", tables::table_of_text(&["item", "value"], rows)));
-        self.begin(&mut page, &input);
-        let scripts = chapters::motion(&mut page, &input);
-        chapters::wear_and_cycles(&mut page, &input);
-        page.begin("What was simulated");
-        page.add(studied::mechanism(self.scene, source));
-        page.begin_appendix();
-        page.add(html! { h3 { "Scene file" } pre { code { (source) } } (scripts) });
-        page
-    }
-
-    /// Adds limits, and the drawing beside the outputs over life.
-    fn begin(&self, page: &mut Page, input: &ReportInput) {
-        page.add(self.limits());
-        let drawing = studied::figure(input).or_else(|| self.drawing.cloned());
-        let drawn = drawing.into_iter().chain(studied::loads(input)).chain(figures::histories(input));
-        let drawn = page.draw(drawn, "two");
-        page.add(drawn);
-    }
-
-    fn input(&self) -> ReportInput {
-        ReportInput::of_one(self.scene, self.summary.clone(), self.evaluation.cloned())
-    }
-
-    /// Limit states with values, margins and expected lives, as far as they are known.
-    fn limits(&self) -> Markup {
-        let scene = self.scene;
-        if scene.limit_states.is_empty() {
-            return html! {};
+/// The page of one simulation; `facts` are pairs of a name and what it stands for, and `source` is the text of the scene.
+pub fn page(input: &ReportInput, facts: &[(&str, String)], source: &str) -> Page {
+    let scene = &input.scene;
+    let header = html! {
+        header {
+            p.brand { "Hingewise" }
+            h1 { (scene.title) }
+            p.meta { "Simulation of one mechanism, scene " code { (scene.name) } }
         }
-        // A simulator's outputs have no first cycle.
-        let known = self.evaluation.filter(|_| scene.simulator.is_none());
-        let lives = known.map(|evaluation| nominal_lives(scene, evaluation));
-        let rows = scene.limit_states.iter().enumerate().map(|(k, limit)| {
-            let output = &scene.outputs[limit.output];
-            let shown = |value: f64| with_unit(&scene.unit_of(output), value);
-            let known = lives.as_ref().map(|lives| &lives[k]);
-            let of = |value: &dyn Fn(&NominalLife) -> Option<String>| {
-                known.and_then(value).unwrap_or_else(|| UNKNOWN.to_owned())
-            };
-            [
-                limit.name.clone(),
-                output.name.clone(),
-                of(&|life| life.unworn.map(shown)),
-                of(&|life| Some(shown(life.last))),
-                joined(limit.thresholds().into_iter().map(shown), " to "),
-                of(&|life| Some(format!("{:.0} %", 100.0 * life.margin()))),
-                of(&|life| Some(life.reached.life().map_or("beyond the life studied".to_owned(), whole))),
-            ]
-        });
-        let at_end = format!("after {} cycles", count(scene.life.cycles.into()));
-        let head = ["limit state", "output", "unworn", &at_end, "limit", "margin", "expected life [cycles]"];
-        captioned("limits-now", "This mechanism against its limits", tables::table(&head, rows))
+    };
+    let mut page = Page::new(&scene.title, header);
+    let rows = facts.iter().map(|(name, value)| [*name, value]);
+    page.add(captioned("facts", "The simulation", tables::table_of_text(&["item", "value"], rows)));
+    begin(&mut page, input, None);
+    let scripts = chapters::motion(&mut page, input);
+    chapters::wear_and_cycles(&mut page, input);
+    page.begin("What was simulated");
+    page.add(studied::mechanism(scene, source));
+    page.begin_appendix();
+    page.add(html! { h3 { "Scene file" } pre { code { (source) } } (scripts) });
+    page
+}
+
+/// Adds limits, and the drawing beside the outputs over life.
+fn begin(page: &mut Page, input: &ReportInput, drawing: Option<&Figure>) {
+    page.add(limits(input));
+    let drawing = studied::figure(input).or_else(|| drawing.cloned());
+    let drawn = drawing.into_iter().chain(studied::loads(input)).chain(figures::histories(input));
+    let drawn = page.draw(drawn, "two");
+    page.add(drawn);
+}
+
+/// Limit states with values, margins and expected lives, as far as they are known.
+fn limits(input: &ReportInput) -> Markup {
+    let scene = &input.scene;
+    if scene.limit_states.is_empty() {
+        return html! {};
     }
+    // A simulator's outputs have no first cycle.
+    let known = input.nominal.as_ref().filter(|_| scene.simulator.is_none());
+    let lives = known.map(|evaluation| nominal_lives(scene, evaluation));
+    let rows = scene.limit_states.iter().enumerate().map(|(k, limit)| {
+        let output = &scene.outputs[limit.output];
+        let shown = |value: f64| with_unit(&scene.unit_of(output), value);
+        let known = lives.as_ref().map(|lives| &lives[k]);
+        let of = |value: &dyn Fn(&NominalLife) -> Option<String>| {
+            known.and_then(value).unwrap_or_else(|| UNKNOWN.to_owned())
+        };
+        [
+            limit.name.clone(),
+            output.name.clone(),
+            of(&|life| life.unworn.map(shown)),
+            of(&|life| Some(shown(life.last))),
+            joined(limit.thresholds().into_iter().map(shown), " to "),
+            of(&|life| Some(format!("{:.0} %", 100.0 * life.margin()))),
+            of(&|life| Some(life.reached.life().map_or("beyond the life studied".to_owned(), whole))),
+        ]
+    });
+    let at_end = format!("after {} cycles", count(scene.life.cycles.into()));
+    let head = ["limit state", "output", "unworn", &at_end, "limit", "margin", "expected life [cycles]"];
+    captioned("limits-now", "This mechanism against its limits", tables::table(&head, rows))
 }
 
 #[cfg(test)]
@@ -111,16 +90,15 @@ mod tests {
     fn a_page_has_limits_drawing_histories_bores_and_cycles() {
         let scene = &test_study::scene();
         let summary = blank(scene, &Settings::from(scene.study));
-        let before = NominalView { scene, summary, evaluation: None, drawing: None };
-        let text = before.before_results("no results").html(None);
+        let before = ReportInput::of_one(scene, summary.clone(), None);
+        let text = before_results(&before, None, "no results").html(None);
         assert!(text.contains("no results"));
         assert!(text.contains("limits-now") && text.contains(UNKNOWN), "{text}");
         assert!(!text.contains("history-wear"), "there is no history yet");
 
-        let evaluation = test_study::report_input().nominal.unwrap();
-        let view = NominalView { evaluation: Some(&evaluation), ..before };
+        let input = ReportInput::of_one(scene, summary, test_study::report_input().nominal);
         let facts = [("accuracy", "draft".to_owned())];
-        let page = view.page(&facts, "gravity = 0").html(None);
+        let page = page(&input, &facts, "gravity = 0").html(None);
         for piece in [
             "id=\"drawing\"",
             "id=\"history-wear\"",

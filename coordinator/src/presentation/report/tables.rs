@@ -3,10 +3,10 @@
 use super::figures::{rows_at_governing, words};
 use super::format::{UNKNOWN, count, duration, fixed, percent, three_digits, with_unit};
 use super::input::{GroovedJoint, ReportInput};
-use super::life::{self, LEVELS, LifeAt, life_and_limits, life_at};
+use super::life::{self, LEVELS, life_and_limits, life_at};
 use crate::results::summary::{ReliabilityRow, Round, ScaleRow, SensitivityRow, WorkerShare};
 use crate::statistics::reliability::REACH;
-use common::outputs::{COUNTERS, Counter};
+use common::outputs::COUNTERS;
 use common::random::Distribution;
 use common::scene::{OutputUnit, Units};
 use maud::{Markup, Render, html};
@@ -97,12 +97,6 @@ pub fn reliability(input: &ReportInput, rows: &[ReliabilityRow]) -> Markup {
     table(&cells[0], &cells[1..])
 }
 
-/// A life with its 95 % interval as a cell.
-pub fn life_cell(life: LifeAt) -> Markup {
-    let (life, limits) = life_and_limits(life);
-    html! { (life) @if !limits.is_empty() { " " small { (limits) } } }
-}
-
 /// Lives at the usual levels of reliability, in total and per limit state, with their 95 % intervals.
 pub fn lives(input: &ReportInput) -> Markup {
     let summary = &input.summary;
@@ -112,7 +106,10 @@ pub fn lives(input: &ReportInput) -> Markup {
     let titles = titles.map(|title| format!("{title} (95 %)"));
     let head: Vec<String> = std::iter::once("life [cycles] at".to_owned()).chain(titles).collect();
     let cells = |level: &f64| -> Vec<Markup> {
-        let lives = names.iter().map(|name| life_cell(life_at(summary, name, *level)));
+        let lives = names.iter().map(|name| {
+            let (life, limits) = life_and_limits(life_at(summary, name, *level));
+            html! { (life) @if !limits.is_empty() { " " small { (limits) } } }
+        });
         std::iter::once(html! { "R = " (level) }).chain(lives).collect()
     };
     html! {
@@ -175,24 +172,12 @@ pub fn diagnostics(input: &ReportInput) -> Markup {
     let work = &input.work;
     let per = |sum: u64| three_digits(sum as f64 / work.evaluations.max(1) as f64);
     let flight = input.nominal.as_ref().map_or(&[][..], |nominal| &nominal.diagnostics.free_flight_fraction);
+    let sums = COUNTERS.into_iter().zip(work.counts);
+    let sums = sums.map(|((_, name, _), sum)| [name.to_owned(), count(sum), per(sum)]);
+    let shares = flight.iter().map(|(name, share)| [name.clone(), percent(*share)]);
     html! {
-        (table_of::<(Counter, u64)>(
-            &[
-                ("work", &|((_, name, _), _)| (*name).to_owned()),
-                ("all evaluations", &|(_, sum)| count(*sum)),
-                ("per evaluation", &|(_, sum)| per(*sum)),
-            ],
-            COUNTERS.into_iter().zip(work.counts),
-        ))
-        @if !flight.is_empty() {
-            (table_of::<&(String, f64)>(
-                &[
-                    ("joint", &|(name, _)| name.clone()),
-                    ("share of the first cycle in free flight", &|(_, share)| percent(*share)),
-                ],
-                flight,
-            ))
-        }
+        (table(&["work", "all evaluations", "per evaluation"], sums))
+        @if !flight.is_empty() { (table(&["joint", "share of the first cycle in free flight"], shares)) }
         @if !work.grooved.is_empty() { (grooves(&work.grooved, &input.scene.units)) }
     }
 }
@@ -202,12 +187,12 @@ fn grooves(grooved: &[GroovedJoint], units: &Units) -> Markup {
     let [depth, turn] = [OutputUnit::Length, OutputUnit::Angle].map(|usual| units.of(usual));
     table_of::<&GroovedJoint>(
         &[
-            ("groove narrower than the journal", &|joint| format!("joint {}", joint.widest.joint)),
-            ("evaluations", &|joint| count(joint.evaluations)),
-            ("first at cycle", &|joint| count(joint.since.into())),
-            (&units.head("angle [deg]"), &|joint| three_digits(turn.to_shown(joint.widest.angle))),
-            (&units.head("width [deg]"), &|joint| three_digits(turn.to_shown(joint.widest.width))),
-            (&units.head("stays open [µm]"), &|joint| three_digits(depth.to_shown(joint.widest.open))),
+            ("groove narrower than the journal", &|(_, groove)| format!("joint {}", groove.joint)),
+            ("evaluations", &|(evaluations, _)| count(*evaluations)),
+            ("first at cycle", &|(_, groove)| count(groove.since.into())),
+            (&units.head("angle [deg]"), &|(_, groove)| three_digits(turn.to_shown(groove.angle))),
+            (&units.head("width [deg]"), &|(_, groove)| three_digits(turn.to_shown(groove.width))),
+            (&units.head("stays open [µm]"), &|(_, groove)| three_digits(depth.to_shown(groove.open))),
         ],
         grooved,
     )
@@ -244,21 +229,12 @@ pub fn timing(input: &ReportInput) -> Markup {
         ("idle time of worker slots", time.idle),
     ];
     let workers = &input.summary.workers;
+    let shares = workers.iter().map(|WorkerShare { name, evaluations, simulation_s }| {
+        [name.clone(), count(*evaluations as u64), duration(*simulation_s)]
+    });
     html! {
-        (table_of::<(&str, f64)>(
-            &[("time", &|(name, _)| (*name).to_owned()), ("", &|(_, seconds)| duration(*seconds))],
-            times,
-        ))
-        @if !workers.is_empty() {
-            (table_of::<&WorkerShare>(
-                &[
-                    ("worker", &|worker| worker.name.clone()),
-                    ("evaluations", &|worker| count(worker.evaluations as u64)),
-                    ("simulation time", &|worker| duration(worker.simulation_s)),
-                ],
-                workers,
-            ))
-        }
+        (table(&["time", ""], times.map(|(name, seconds)| [name.to_owned(), duration(seconds)])))
+        @if !workers.is_empty() { (table(&["worker", "evaluations", "simulation time"], shares)) }
         @if let Some(ScaleRow { system, most, asked, failed }) = &input.summary.scale {
             p { (system) " was asked for " (count(*asked)) " jobs, at most " (count(*most)) " at a time; " (count(*failed)) " of them failed." }
         }
@@ -287,13 +263,12 @@ mod tests {
     fn joints_with_grooves_narrower_than_their_journals_have_a_row() {
         let widest = common::outputs::NarrowGroove {
             joint: "a".into(),
-            since: 4000,
+            since: 2000,
             angle: 1.0,
             width: 0.2,
             open: 2e-6,
         };
-        let page =
-            grooves(&[GroovedJoint { evaluations: 3, since: 2000, widest }], &Units::default()).into_string();
+        let page = grooves(&[(3, widest)], &Units::default()).into_string();
         for part in ["joint a", ">3<", "2\u{a0}000", "57", "11", "2.00"] {
             assert!(page.contains(part), "{part}: {page}");
         }

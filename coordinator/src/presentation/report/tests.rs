@@ -16,15 +16,15 @@ fn assert_links(report: &Page, html: &str) {
         links += 1;
         let found = match target.strip_prefix('#') {
             Some(id) => html.matches(&format!("id=\"{id}\"")).count() == 1,
-            None => report.figures().iter().any(|figure| {
+            None => report.figures.iter().any(|figure| {
                 [format!("figures/{}.svg", figure.name), format!("figures/{}.csv", figure.name)]
                     .contains(&target.to_owned())
             }),
         };
         assert!(found, "{target}");
     }
-    assert!(links > 5 + 2 * report.figures().len(), "{links}");
-    for (k, figure) in report.figures().iter().enumerate() {
+    assert!(links > 5 + 2 * report.figures.len(), "{links}");
+    for (k, figure) in report.figures.iter().enumerate() {
         let at = html.find(&format!("<figure id=\"{}\"", figure.name)).unwrap();
         let number = format!("<strong>Figure {}.</strong>", k + 1);
         assert!(html[at..].split("</figure>").next().unwrap().contains(&number), "{}: {number}", figure.name);
@@ -51,7 +51,7 @@ fn assert_sound(report: &Page) {
     for bad in ["NaN", "nan", "None", "inf", "Some", "null"] {
         assert!(!words.contains(&bad), "{bad}");
     }
-    for figure in report.figures() {
+    for figure in &report.figures {
         let name = &figure.name;
         assert!(html.contains(&format!("<figure id=\"{name}\"")), "{name}");
         let mut lines = figure.csv.lines();
@@ -75,13 +75,13 @@ fn assert_sound(report: &Page) {
 }
 
 fn names(report: &Page) -> Vec<&str> {
-    report.figures().iter().map(|figure| figure.name.as_str()).collect()
+    report.figures.iter().map(|figure| figure.name.as_str()).collect()
 }
 
 #[test]
 fn a_whole_study_has_every_figure_and_its_lives() {
     let input = test_study::report_input();
-    let report = render(&input, FigureFiles::NextToPage);
+    let report = render(&input, true);
     assert_sound(&report);
     let mut expected = vec!["reliability", "drawing", "first-failure", "history-wear", "history-asymmetry"];
     expected.extend(["sensitivity-wear", "sensitivity-asymmetry", "sobol-wear", "sobol-asymmetry"]);
@@ -140,7 +140,7 @@ fn a_whole_study_has_every_figure_and_its_lives() {
 #[test]
 fn issue_a_caution_began_in_lower_case_and_had_no_full_stop() {
     let mut input = test_study::report_input();
-    input.summary.control_points = vec![crate::results::control_points::ControlPointsRow {
+    input.summary.control_points = vec![crate::results::summary_rows::ControlPointsRow {
         output: "asymmetry".into(),
         unit: "r/min".into(),
         cycles: 66_000,
@@ -154,7 +154,7 @@ fn issue_a_caution_began_in_lower_case_and_had_no_full_stop() {
     let written = ReportInput::of_one(&input.scene, input.summary.clone(), input.nominal.clone());
     input.notes = written.notes;
     input.notes.push("ends with one already.".into());
-    let html = render(&input, FigureFiles::NextToPage).html(None);
+    let html = render(&input, true).html(None);
     let cautions: Vec<&str> = html.split("<strong>Caution:</strong> ").skip(1).collect();
     assert!(cautions.len() >= 3, "{}", cautions.len());
     for caution in cautions {
@@ -183,27 +183,22 @@ fn the_sentences_carry_the_numbers_of_the_curves() {
 #[test]
 fn issue_the_report_said_nothing_of_the_jobs_asked_for() {
     let mut input = test_study::report_input();
-    let said = |input: &ReportInput| {
-        render(input, FigureFiles::NextToPage).html(None).contains("at most 4 at a time")
-    };
+    let said = |input: &ReportInput| render(input, true).html(None).contains("at most 4 at a time");
     assert!(!said(&input));
     let system = "Slurm".to_owned();
     input.summary.scale = Some(crate::results::summary::ScaleRow { system, most: 4, asked: 9, failed: 2 });
-    assert!(
-        said(&input)
-            && render(&input, FigureFiles::NextToPage).html(None).contains("Slurm was asked for 9 jobs")
-    );
+    assert!(said(&input) && render(&input, true).html(None).contains("Slurm was asked for 9 jobs"));
 }
 
 /// A page that is sent by mail and opened at once.
 #[test]
 fn a_report_of_thirty_variables_and_two_hundred_samples_is_small() {
-    let report = render(&test_study::report_with_samples(), FigureFiles::NextToPage);
+    let report = render(&test_study::report_with_samples(), true);
     assert_sound(&report);
     let size = report.html(None).len();
     assert!(size < 1_500_000, "{size} bytes");
     // Every chart names its axes for the script that shows values, and the script is there once.
-    let charts = report.figures().iter().filter(|figure| figure.drawing.axes.is_some()).count();
+    let charts = report.figures.iter().filter(|figure| figure.drawing.axes.is_some()).count();
     assert!(charts > 20 && report.html(None).matches(" data-axes=\"").count() == charts, "{charts}");
     assert_eq!(report.html(None).matches("svg[data-axes]").count(), 1);
 }
@@ -211,7 +206,7 @@ fn a_report_of_thirty_variables_and_two_hundred_samples_is_small() {
 #[test]
 fn the_same_input_gives_the_same_text() {
     let input = test_study::report_input();
-    let text = || render(&input, FigureFiles::NextToPage).html(None);
+    let text = || render(&input, true).html(None);
     assert_eq!(text(), text());
 }
 
@@ -238,10 +233,10 @@ fn a_study_without_optional_results_is_reported() {
     input.summary.failure_points.clear();
     input.meta.settings = serde_json::Value::Null;
     input.meta.command.clear();
-    let report = render(&input, FigureFiles::NextToPage);
+    let report = render(&input, true);
     assert_sound(&report);
     assert_eq!(names(&report), ["reliability"]);
-    assert!(!render(&input, FigureFiles::Absent).html(None).contains("figures/"));
+    assert!(!render(&input, false).html(None).contains("figures/"));
     assert!(report.html(None).contains("The nominal evaluation has no first cycle."));
     assert!(report.html(None).contains("The simulations state no numerical errors."));
     for said in [
@@ -252,7 +247,7 @@ fn a_study_without_optional_results_is_reported() {
         assert!(report.html(None).contains(said), "{said}");
     }
     input.summary.method = "monte-carlo".into();
-    assert!(render(&input, FigureFiles::NextToPage).html(None).contains("there are no surrogates."));
+    assert!(render(&input, true).html(None).contains("there are no surrogates."));
 }
 
 /// Old campaigns, whose evaluations lack the bores over life and the last cycle, are reported as well.
@@ -262,7 +257,7 @@ fn the_report_of_an_old_campaign_names_what_is_missing() {
     let nominal = input.nominal.as_mut().unwrap();
     nominal.worn = None;
     nominal.first_cycle.as_mut().unwrap().motion.clear();
-    let report = render(&input, FigureFiles::NextToPage);
+    let report = render(&input, true);
     assert_sound(&report);
     let found = names(&report);
     assert!(found.contains(&"bore-6") && found.contains(&"joint-forces"));
@@ -291,7 +286,7 @@ fn one_limit_state_needs_no_total() {
         let wear = row.reliability["wear"];
         row.reliability.insert("total".into(), wear);
     }
-    let report = render(&input, FigureFiles::NextToPage);
+    let report = render(&input, true);
     assert_sound(&report);
     assert!(report.html(None).contains("The mechanism fails by wear"));
     assert!(!report.html(None).contains("asymmetry-"));
@@ -316,7 +311,7 @@ fn values_that_are_not_numbers_become_dashes() {
     nominal.joints[0].wear_depth.fill(f64::NAN);
     nominal.histories[0].fill(f64::NAN);
     nominal.first_cycle.as_mut().unwrap().bodies[0].angle.fill(f64::NAN);
-    assert_sound(&render(&input, FigureFiles::NextToPage));
+    assert_sound(&render(&input, true));
 }
 
 #[test]
@@ -328,13 +323,13 @@ fn nothing_fails_and_nothing_at_all() {
     input.summary.lives.clear();
     input.summary.curves.clear();
     input.summary.first_failure.clear();
-    let report = render(&input, FigureFiles::NextToPage);
+    let report = render(&input, true);
     assert_sound(&report);
     assert!(report.html(None).contains("No limit state is reached within the life studied."));
     // Neither "1.0000 ± 0.0000" nor any other certainty.
     assert!(!report.html(None).contains("± 0.0000") && !report.html(None).contains("± 0<"), "a certainty");
     input.summary.reliability.clear();
-    assert_sound(&render(&input, FigureFiles::NextToPage));
+    assert_sound(&render(&input, true));
 }
 
 /// Writes the report; if `HINGEWISE_REPORT_SAMPLE` names a folder, it is kept there for inspection.
@@ -349,9 +344,9 @@ fn page_and_figures_are_written_from_the_campaign_file_alone() {
     let input = ReportInput::from_campaign(&campaign, &test_study::scene()).unwrap().unwrap();
     assert_eq!((input.work.evaluations, input.failures.len()), (11, 1));
     let path = write(dir, &input).unwrap();
-    let report = render(&input, FigureFiles::NextToPage);
+    let report = render(&input, true);
     assert_eq!(std::fs::read_to_string(path).unwrap(), report.html(None));
-    for figure in report.figures() {
+    for figure in &report.figures {
         let text = std::fs::read_to_string(dir.join("figures").join(format!("{}.svg", figure.name))).unwrap();
         assert_eq!(text, page::standalone(figure));
         let numbers =
@@ -390,7 +385,7 @@ fn a_delivered_study_has_every_file_and_they_can_be_rewritten() {
 #[test]
 fn an_unfinished_study_has_no_report_yet() {
     let dir = tempfile::tempdir().unwrap();
-    let meta = test_study::campaign(&dir.path().join("finished")).meta().clone();
+    let meta = test_study::campaign(&dir.path().join("finished")).meta.clone();
     let scene = test_study::scene();
     let campaign = CampaignFile::create(&dir.path().join("new"), &meta, &scene).unwrap();
     assert_eq!(ReportInput::from_campaign(&campaign, &scene).unwrap(), None);

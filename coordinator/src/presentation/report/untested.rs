@@ -1,8 +1,8 @@
 //! Notes on what the simulations of a study do not support: failures that none of them has met, steps and noise of outputs.
 
 use super::format::{count, joined, power, three_digits};
-use crate::results::outlier_summary::{OutlierEvaluation, OutlierRow};
 use crate::results::summary::{StudySummary, SurrogateRow, UntestedRow};
+use crate::results::summary_rows::{OutlierEvaluation, OutlierRow};
 
 /// A caution where no simulation exceeded a limit, or none where the population is, with the bound on P_f that the initial design
 /// supports: of n independent samples without a failure, P_f < 1 - 0.05^(1/n) with a confidence of 95 %.
@@ -10,24 +10,16 @@ use crate::results::summary::{StudySummary, SurrogateRow, UntestedRow};
 /// # Source
 /// Clopper, Pearson (1934), The use of confidence or fiducial limits illustrated in the case of the binomial, Biometrika 26(4).
 pub fn no_simulated_failure(summary: &StudySummary) -> Option<String> {
-    let counts = summary.evaluations;
-    let of_system = summary.untested.as_ref().filter(|untested| untested.curves.iter().any(|c| c == "total"));
-    let (samples, bound, predicted) = match of_system {
-        Some(UntestedRow { samples, bound, predicted, .. }) => {
-            let predicted = format!("; the surrogates alone predict P_f < {}", power(*predicted, 1));
-            (*samples, *bound, predicted)
-        }
-        None if summary.untested.is_some() => return summary.untested.as_ref().map(of_limit_states),
-        None => {
-            // A study by an earlier version. The first evaluation of its design is the nominal one, which is no sample.
-            let samples = counts.initial.saturating_sub(1 + counts.failed);
-            if summary.simulations_beyond_a_limit != Some(0) || samples == 0 {
-                return None;
-            }
-            (samples, 1.0 - 0.05f64.powf(1.0 / samples as f64), String::new())
-        }
-    };
-    let simulations = count((counts.total - counts.failed) as u64);
+    let UntestedRow { curves, samples, bound, predicted } = summary.untested.as_ref()?;
+    let (samples, bound) = (count(*samples as u64), three_digits(*bound));
+    if !curves.iter().any(|curve| curve == "total") {
+        return Some(format!(
+            "no simulation exceeded the limit of {} where its failures would lie: its P_f is bounded by that of the whole system and by \
+             the {samples} samples of the initial design alone, counted as independent, P_f < {bound} (95 %) over the whole life studied",
+            curves.join(", ")
+        ));
+    }
+    let simulations = count((summary.evaluations.total - summary.evaluations.failed) as u64);
     let exceeded = match summary.simulations_beyond_a_limit {
         Some(0) | None => format!("none of the {simulations} simulations exceeded a limit"),
         Some(beyond) => format!(
@@ -36,28 +28,21 @@ pub fn no_simulated_failure(summary: &StudySummary) -> Option<String> {
         ),
     };
     Some(format!(
-        "{exceeded}: R is what the surrogates predict beyond all simulated values. The {} samples of \
-         the initial design alone, counted as independent, support P_f < {} (95 %) over the whole life studied{predicted}",
-        count(samples as u64),
-        three_digits(bound)
+        "{exceeded}: R is what the surrogates predict beyond all simulated values. The {samples} samples of \
+         the initial design alone, counted as independent, support P_f < {bound} (95 %) over the whole life studied; the surrogates \
+         alone predict P_f < {}",
+        power(*predicted, 1)
     ))
 }
 
-/// The caution where no simulation has tested single limit states, but some the system.
-fn of_limit_states(untested: &UntestedRow) -> String {
-    format!(
-        "no simulation exceeded the limit of {} where its failures would lie: its P_f is bounded by that of the whole system and by \
-         the {} samples of the initial design alone, counted as independent, P_f < {} (95 %) over the whole life studied",
-        untested.curves.join(", "),
-        count(untested.samples as u64),
-        three_digits(untested.bound)
-    )
-}
+/// Share of the variance above which the noise of the simulations limits learning and costs more than a finer accuracy [1].
+const MUCH_NOISE: f64 = 0.02;
 
 /// A line per limit state whose output has steps at its limit, or whose simulations are noisy, with what helps.
 pub fn steps_and_noise(summary: &StudySummary) -> Vec<String> {
     let simulations = count((summary.evaluations.total - summary.evaluations.failed) as u64);
-    let line = |row: &SurrogateRow| match (row.different_values, row.outlier, row.much_noise()) {
+    let much = |share: &f64| *share > MUCH_NOISE;
+    let line = |row: &SurrogateRow| match (row.different_values, row.outlier, row.noise_share.filter(much)) {
         (Some(values), ..) => Some(format!(
             "steps: the output of {} has {} different values in {simulations} simulations and jumps at the limit, which surrogates \
              resolve with many simulations only; return the quantity behind it, before it is counted, rounded or compared",
@@ -96,10 +81,12 @@ fn repeated_outlier(summary: &StudySummary, row: &OutlierRow) -> String {
     };
     let names =
         |used: bool| joined(row.evaluations.iter().skip(1).filter(|one| one.used == used).map(name), ", ");
+    // The study uses an outlier with which another evaluation agrees.
+    let is_confirmed = row.evaluations.first().is_some_and(|first| first.used);
     let verdict = match row.evaluations.iter().filter(|one| one.used).count() {
         0 if row.evaluations.len() < 3 => format!("{}: the budget allowed no further one", names(false)),
         0 => format!("{}: no two agree, and the sample counts as failed", names(false)),
-        _ if row.is_confirmed() => format!("confirmed: {}", names(true)),
+        _ if is_confirmed => format!("confirmed: {}", names(true)),
         _ => format!("left out: {}; its worker or the simulator is at fault", names(true)),
     };
     let first = row.evaluations.first().map(name).unwrap_or_default();
@@ -120,6 +107,8 @@ mod tests {
         let mut summary = crate::tests::test_study::study().summary;
         assert_eq!(no_simulated_failure(&summary), None);
         summary.simulations_beyond_a_limit = Some(0);
+        let curves = vec!["total".to_owned()];
+        summary.untested = Some(UntestedRow { curves, samples: 118, bound: 0.0251, predicted: 1e-9 });
         let said = no_simulated_failure(&summary).unwrap();
         // 3 / n for many samples.
         assert!(said.starts_with("none of the 215 simulations exceeded a limit"), "{said}");

@@ -84,10 +84,10 @@ pub fn figures(summary: &StudySummary) -> Vec<Figure> {
             (change.map_or(0.0, |change| change.value), half.unwrap_or(0.0) / REACH)
         };
         let [first, second] = [LEVELS[0], LEVELS[2]].map(of);
-        BarPair { name: variant.name.clone(), values: [first.0, second.0], errors: [first.1, second.1] }
+        (variant.name.clone(), [first.0, second.0], [first.1, second.1])
     };
     let mut all: Vec<BarPair> = known.iter().map(pair).collect();
-    all.sort_by(|a, b| b.values[0].abs().total_cmp(&a.values[0].abs()));
+    all.sort_by(|(_, a, _), (_, b, _)| b[0].abs().total_cmp(&a[0].abs()));
     let (labels, axis) = (["R = 0.99", "R = 0.5"], "change of the life [cycles]");
     let bars = Bars { figure: "variants-lives", labels, axis, signed: true, shown: all.len(), all };
     let title = "Change of the lives by variants of the model";

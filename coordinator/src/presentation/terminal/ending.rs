@@ -49,7 +49,8 @@ pub fn final_text(summary: &StudySummary, dir: &Path) -> String {
         summary.levels.as_ref().map_or(String::new(), |levels| format!(", {} finer", levels.evaluations)),
         counts.failed
     );
-    let workers = summary.workers_in_a_run();
+    // The most in one run.
+    let workers = if time.workers == 0 { summary.workers.len() } else { time.workers as usize };
     text += &format!(
         "time: {}{} ({} of simulation on {workers} worker{}, {} of surrogates)\n",
         duration(time.total),

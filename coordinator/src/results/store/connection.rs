@@ -10,7 +10,7 @@
 
 use super::error::StoreError;
 use rusqlite::{Connection, ErrorCode, OpenFlags};
-use std::fs::File;
+use std::fmt::Debug;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use tempfile::TempDir;
@@ -32,22 +32,9 @@ pub fn connect(path: &Path, flags: OpenFlags) -> Result<Connection, StoreError> 
     Ok(connection)
 }
 
-/// The connection to the campaign file or to its copy, and what is held until it has ended.
-pub type ReadConnection = (Connection, Held);
-
-/// What an open campaign file holds besides its connection.
-#[derive(Debug)]
-#[allow(dead_code)] // kept for their Drop
-pub enum Held {
-    /// The lock of the folder: the file is open for writing.
-    Lock(File),
-    /// Nothing: the file is read beside a study that is running, or does not change.
-    Nothing,
-    /// Folder of the copy that is read.
-    Copy(TempDir),
-    /// Index and log that the connection created to read.
-    Left(LeftFiles),
-}
+/// What is held until a campaign file is closed: the lock of its folder, the folder of the copy that is read, or [`LeftFiles`]; `()` beside a
+/// running study and of a file that does not change.
+pub type Held = Box<dyn Debug + Send>;
 
 /// Removes index and log of the campaign file at this path when dropped, by a connection that may write. SQLite removes them if no
 /// other connection uses the file.
@@ -58,7 +45,7 @@ impl Drop for LeftFiles {
     fn drop(&mut self) {
         // Files that stay are of no harm: the next study that writes removes them.
         if let Ok(connection) = connect(&self.0, OpenFlags::SQLITE_OPEN_READ_WRITE) {
-            let _ = probe(&self.0, &connection);
+            let _ = has_no_table(&self.0, &connection);
         }
     }
 }
@@ -67,13 +54,13 @@ impl Drop for LeftFiles {
 ///
 /// # Errors
 /// [`StoreError::NotACampaign`], or what the file system or SQLite report.
-pub fn connect_read_only(path: &Path) -> Result<ReadConnection, StoreError> {
+pub fn connect_read_only(path: &Path) -> Result<(Connection, Held), StoreError> {
     let is_in_use = log_of(path).exists();
     // Beside other connections, and read from once.
     let opened = connect(path, OpenFlags::SQLITE_OPEN_READ_ONLY);
-    match opened.and_then(|connection| probe(path, &connection).map(|()| connection)) {
-        Ok(connection) if is_in_use => Ok((connection, Held::Nothing)),
-        Ok(connection) => Ok((connection, Held::Left(LeftFiles(path.to_path_buf())))),
+    match opened.and_then(|connection| has_no_table(path, &connection).map(|_| connection)) {
+        Ok(connection) if is_in_use => Ok((connection, Box::new(()))),
+        Ok(connection) => Ok((connection, Box::new(LeftFiles(path.to_path_buf())))),
         Err(error) if !needs_index(&error) => Err(named(path, error)),
         Err(_) if std::fs::metadata(log_of(path)).is_ok_and(|log| log.len() > 0) => from_copy(path),
         Err(_) => unchanging(path),
@@ -81,17 +68,17 @@ pub fn connect_read_only(path: &Path) -> Result<ReadConnection, StoreError> {
 }
 
 /// Opens a file that no process changes.
-pub(super) fn unchanging(path: &Path) -> Result<ReadConnection, StoreError> {
+pub(super) fn unchanging(path: &Path) -> Result<(Connection, Held), StoreError> {
     let flags =
         OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_URI | OpenFlags::SQLITE_OPEN_NO_MUTEX;
     let uri = format!("file:{}?immutable=1", escaped(path));
     let connection = Connection::open_with_flags(uri, flags).map_err(StoreError::of(path))?;
-    probe(path, &connection).map_err(|error| named(path, error))?;
-    Ok((connection, Held::Nothing))
+    has_no_table(path, &connection).map_err(|error| named(path, error))?;
+    Ok((connection, Box::new(())))
 }
 
 /// Copies the file with its log into a temporary folder and opens the copy.
-pub(super) fn from_copy(path: &Path) -> Result<ReadConnection, StoreError> {
+pub(super) fn from_copy(path: &Path) -> Result<(Connection, Held), StoreError> {
     let failed = |source| StoreError::Folder(std::env::temp_dir(), source);
     let copy = TempDir::new().map_err(failed)?;
     let target = copy.path().join(FILE_NAME);
@@ -99,13 +86,14 @@ pub(super) fn from_copy(path: &Path) -> Result<ReadConnection, StoreError> {
         std::fs::copy(from, to).map_err(failed)?;
     }
     let connection = connect(&target, OpenFlags::SQLITE_OPEN_READ_WRITE)?;
-    probe(path, &connection).map_err(|error| named(path, error))?;
-    Ok((connection, Held::Copy(copy)))
+    has_no_table(path, &connection).map_err(|error| named(path, error))?;
+    Ok((connection, Box::new(copy)))
 }
 
-fn probe(path: &Path, connection: &Connection) -> Result<(), StoreError> {
-    let sql = "SELECT count(*) FROM sqlite_schema";
-    connection.query_row(sql, [], |_| Ok(())).map_err(StoreError::of(path))
+/// Whether the file has no table; an error if it cannot be read.
+pub fn has_no_table(path: &Path, connection: &Connection) -> Result<bool, StoreError> {
+    let sql = "SELECT count(*) = 0 FROM sqlite_schema";
+    connection.query_row(sql, [], |row| row.get(0)).map_err(StoreError::of(path))
 }
 
 /// Whether the shared index is missing and cannot be created, e.g. on a full disk.

@@ -1,8 +1,7 @@
 //! Errors of the campaign file.
 
 use super::exact::OutcomeFault;
-use super::migration::FROM;
-use super::schema::SCHEMA_VERSION;
+use super::schema::{EARLIEST_VERSION, SCHEMA_VERSION};
 use crate::farm::evaluate::EvaluateError;
 use rusqlite::ErrorCode;
 use std::path::{Path, PathBuf};
@@ -36,7 +35,7 @@ pub enum StoreError {
     NotACampaign(PathBuf),
     /// The file has a layout that this program does not know, such as that of a later one.
     #[error(
-        "{}: has schema version {found}{} and this program, version {OURS}, reads versions {FROM} to {SCHEMA_VERSION}",
+        "{}: has schema version {found}{} and this program, version {OURS}, reads versions {EARLIEST_VERSION} to {SCHEMA_VERSION}",
         path.display(), written_by(.program.as_deref())
     )]
     SchemaVersion {

@@ -1,8 +1,13 @@
-//! Writing of a campaign file: the journal of the study, and the results at its end.
+//! Writing of a campaign file: the journal of the study, the results at its end, and the journal of further evaluations.
+//!
+//! Further evaluations of a study's simulator are those that a question about a finished study asked for. They are kept in its campaign
+//! file for later questions, under numbers below zero, and are no part of the study's own result: `summary.json`, `samples.csv` and the
+//! counts of the study do not change. A later leg of the study that requests the same sample finds its outcome here as well, see
+//! [`super::leg`].
 
 use super::exact::OutcomeFault;
+use super::leg::free_number;
 use super::read::{COLUMNS, EvaluationColumns};
-use super::value_tables::{insert_statement, states_errors, write_rows};
 use super::{CampaignFile, StoreError, exact};
 use crate::farm::evaluate::{EvaluateError, Finished, Request};
 use crate::results::journal::Journal;
@@ -134,7 +139,7 @@ impl CampaignFile {
 
     /// The outcome's exact bytes, if it fits the scene. Of an evaluation without its first cycle the bores at the end of life are left out:
     /// they would be half of a campaign file, and results are made of histories.
-    pub(super) fn encoded(&self, request: &Request, finished: &Finished) -> Result<Vec<u8>, StoreError> {
+    fn encoded(&self, request: &Request, finished: &Finished) -> Result<Vec<u8>, StoreError> {
         let (given, wanted) = (request.sample.len(), self.inputs.len());
         let bytes = match &finished.outcome {
             _ if given != wanted => Err(format!("{given} values for {wanted} variables")),
@@ -156,7 +161,7 @@ impl CampaignFile {
     }
 
     /// Writes an evaluation under the number `key`.
-    pub(super) fn write(
+    fn write(
         &self,
         transaction: &Transaction<'_>,
         key: i64,
@@ -214,4 +219,67 @@ impl CampaignFile {
 /// SQLite's integers are signed; numbers of evaluations are far below their range.
 fn to_key(id: u64) -> i64 {
     i64::try_from(id).expect("evaluations are numbered from 0 upwards, one by one")
+}
+
+/// Whether an evaluation states an error of every value.
+fn states_errors(evaluation: &Evaluation) -> bool {
+    let lengths = |rows: &[Vec<f64>]| rows.iter().map(Vec::len).collect::<Vec<_>>();
+    lengths(&evaluation.errors) == lengths(&evaluation.histories)
+}
+
+/// One row per checkpoint, from values `(outputs, m)`.
+fn write_rows(
+    transaction: &Transaction<'_>,
+    table: &str,
+    outputs: &[String],
+    key: i64,
+    cycles: &[u32],
+    values: &[Vec<f64>],
+) -> rusqlite::Result<()> {
+    let sql = insert_statement(table, "evaluation, cycles", outputs);
+    let mut statement = transaction.prepare_cached(&sql)?;
+    for (row, cycles) in cycles.iter().enumerate() {
+        let own = [key.into(), i64::from(*cycles).into()].into_iter();
+        statement.execute(params_from_iter(own.chain(values.iter().map(|of| Value::from(of[row])))))?;
+    }
+    Ok(())
+}
+
+/// Names by position, values by parameter: `own` columns of the table first, then `columns`.
+fn insert_statement(table: &str, own: &str, columns: &[String]) -> String {
+    let names: Vec<&str> = own.split(", ").chain(columns.iter().map(String::as_str)).collect();
+    let places: Vec<String> = (1..=names.len()).map(|k| format!("?{k}")).collect();
+    format!("INSERT INTO {table} ({}) VALUES ({})", names.join(", "), places.join(", "))
+}
+
+/// The journal of further evaluations of the study in this file: requests are found by their samples, not by their numbers.
+#[derive(Debug)]
+pub struct FurtherEvaluations<'a>(pub &'a mut CampaignFile);
+
+impl Journal for FurtherEvaluations<'_> {
+    /// The recorded outcome of this sample at this accuracy under any number, as that of the request.
+    fn finished(&mut self, request: &Request) -> Result<Option<Finished>, EvaluateError> {
+        let sql = format!(
+            "SELECT {COLUMNS} FROM evaluation WHERE sample = ?1 AND stricter = ?2 AND level = ?3 ORDER BY id < 0, abs(id) LIMIT 1 OFFSET ?4"
+        );
+        let sample = exact::sample_to_bytes(&request.sample);
+        // Of an outlier, the evaluation after those that are known.
+        let of_request = params![sample, request.is_stricter(), request.level, request.not_by.len() as i64];
+        let found = self.0.query(|connection| {
+            connection.prepare_cached(&sql)?.query_row(of_request, |row| row.try_into()).optional()
+        })?;
+        Ok(found.map(|row| self.0.recalled(row, request.id)).transpose()?)
+    }
+
+    /// Records an outcome under the first free number below zero.
+    fn record(&mut self, request: &Request, finished: &Finished) -> Result<(), EvaluateError> {
+        let outcome = self.0.encoded(request, finished)?;
+        Ok(self.0.transact(|transaction| {
+            self.0.write(transaction, free_number(transaction)?, request, finished, &outcome)
+        })?)
+    }
+
+    fn set_aside(&mut self, id: u64, reason: &str) -> Result<(), EvaluateError> {
+        self.0.set_aside(id, reason)
+    }
 }

@@ -14,23 +14,6 @@ use serde_json::Value;
 const NUMBERED: [(&str, &str); 4] =
     [("evaluation", "id"), ("input", "evaluation"), ("output", "evaluation"), ("output_error", "evaluation")];
 
-/// One leg of a campaign.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Leg {
-    /// Number of the leg, from 1.
-    pub number: u32,
-    /// Start of the leg (UTC, ISO 8601).
-    pub started_at: String,
-    /// Evaluations recorded before it.
-    pub evaluations: usize,
-    /// Settings of the study from this leg on.
-    pub settings: Value,
-    /// Command line that started the leg.
-    pub command: String,
-    /// Version of the program.
-    pub version: String,
-}
-
 impl CampaignFile {
     /// Starts a leg: from now on the study has these settings, and is not finished.
     ///
@@ -48,22 +31,13 @@ impl CampaignFile {
         Ok(())
     }
 
-    /// The legs of the campaign, the first one included.
+    /// Versions of the program that started the legs of the campaign, the first one included.
     ///
     /// # Errors
     /// [`StoreError`].
-    pub fn legs(&self) -> Result<Vec<Leg>, StoreError> {
-        type Columns = (u32, String, i64, String, String, String);
-        let sql =
-            "SELECT number, started_at, evaluations, settings, command, version FROM leg ORDER BY number";
-        let rows: Vec<Columns> =
-            self.query(|connection| connection.prepare(sql)?.query_map([], |row| row.try_into())?.collect())?;
-        let leg = |(number, started_at, evaluations, settings, command, version): Columns| {
-            let settings = serde_json::from_str(&settings).map_err(|error| self.encoding("leg", error))?;
-            let evaluations = evaluations.unsigned_abs() as usize;
-            Ok(Leg { number, started_at, evaluations, settings, command, version })
-        };
-        rows.into_iter().map(leg).collect()
+    pub fn leg_versions(&self) -> Result<Vec<String>, StoreError> {
+        let sql = "SELECT version FROM leg ORDER BY number";
+        self.query(|connection| connection.prepare(sql)?.query_map([], |row| row.get(0))?.collect())
     }
 
     /// Removes the failed evaluations of a study in which none has succeeded: its cause may be gone, and there is nothing

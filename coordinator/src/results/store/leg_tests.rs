@@ -1,4 +1,4 @@
-//! Legs of a campaign, renumbered evaluations, and files that can only be read.
+//! Legs of a campaign, renumbered and further evaluations, what is kept of bores, and files that can only be read.
 
 use super::connection::{from_copy, unchanging};
 use super::tests::{finished, meta, record, request, scene};
@@ -6,6 +6,7 @@ use super::*;
 use crate::farm::evaluate::{Finished, Request};
 use crate::results::journal::Journal;
 use common::accuracy::Accuracy;
+use common::outputs::JointSummary;
 use serde_json::json;
 
 /// Numbers of all evaluations, those below zero included.
@@ -48,12 +49,17 @@ fn a_leg_takes_its_outcomes_from_other_numbers() {
 
     // The settings are those of the last leg, and every leg is known.
     let file = CampaignFile::open(dir.path()).unwrap();
-    assert_eq!(file.meta().settings["max_evaluations"], 9);
-    assert_eq!(file.meta().command, meta().command);
-    let legs = file.legs().unwrap();
-    let shown: Vec<_> = legs.iter().map(|leg| (leg.number, leg.evaluations, leg.command.as_str())).collect();
+    assert_eq!(file.meta.settings["max_evaluations"], 9);
+    assert_eq!(file.meta.command, meta().command);
+    let sql = "SELECT number, evaluations, command, settings FROM leg ORDER BY number";
+    let mut statement = file.connection.prepare(sql).unwrap();
+    let legs = statement.query_map([], |row| row.try_into()).unwrap();
+    let legs: Vec<(i64, i64, String, String)> = legs.map(Result::unwrap).collect();
+    let shown: Vec<_> =
+        legs.iter().map(|(number, before, command, _)| (*number, *before, &**command)).collect();
     assert_eq!(shown, [(1, 0, "coordinator run --scene two"), (2, 6, "coordinator resume")]);
-    assert_eq!(legs[0].settings, meta().settings);
+    assert_eq!(legs[0].3, meta().settings.to_string());
+    assert_eq!(file.leg_versions().unwrap(), [meta().version, "0.2".to_owned()]);
 }
 
 #[test]
@@ -84,8 +90,8 @@ fn levels_of_a_sample_are_other_evaluations_and_earlier_files_have_none() {
     assert_eq!((file.count().unwrap(), file.working_count().unwrap()), (3, 2));
     let of_file = |file: &CampaignFile| {
         let (mut working, mut levels) = (0, vec![]);
-        file.for_each_known(|_, _| working += 1).unwrap();
-        file.for_each_finer(|level, sample, _| levels.push((level, sample))).unwrap();
+        file.for_each_known(false, |_| working += 1).unwrap();
+        file.for_each_known(true, |stored| levels.push((stored.level, stored.sample))).unwrap();
         (working, levels)
     };
     assert_eq!(of_file(&file), (2, vec![(1, finer.sample.clone())]));
@@ -198,4 +204,66 @@ fn readers_neither_lock_nor_wait() {
     drop(file);
     assert!(!is_running(dir.path()));
     CampaignFile::open(dir.path()).unwrap();
+}
+
+#[test]
+fn further_evaluations_are_kept_and_leave_the_study_alone() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut file = CampaignFile::create(dir.path(), &meta(), &scene()).unwrap();
+    record(&mut file, 0..3);
+    let mut further = FurtherEvaluations(&mut file);
+    // A sample of the study is not simulated again; a finer repetition is another evaluation.
+    assert_eq!(further.finished(&Request { id: 90, ..request(1) }).unwrap().unwrap().id, 90);
+    let finer = Request { id: 93, accuracy: Some(Accuracy::default()), ..request(1) };
+    assert_eq!(further.finished(&finer).unwrap(), None);
+    for id in [91, 92] {
+        further.record(&request(id), &finished(id)).unwrap();
+    }
+    further.ended(2).unwrap();
+    assert_eq!((file.count().unwrap(), file.rounds().unwrap().len()), (3, 0));
+    let mut ids = Vec::new();
+    file.for_each(|stored| -> Result<(), StoreError> {
+        ids.push(stored.id);
+        Ok(())
+    })
+    .unwrap();
+    assert_eq!(ids, [0, 1, 2]);
+    drop(file);
+
+    // All are found again, also by a reader, the study's own first.
+    let file = CampaignFile::look(dir.path()).unwrap();
+    let mut samples = Vec::new();
+    file.for_each_known(false, |stored| samples.push(stored.sample)).unwrap();
+    let expected: Vec<Vec<f64>> = [0, 1, 2, 91, 92].map(|id| request(id).sample).to_vec();
+    assert_eq!(samples, expected);
+    drop(file);
+
+    // A later leg that requests one of the samples finds its outcome.
+    let mut file = CampaignFile::open(dir.path()).unwrap();
+    file.begin_leg(json!({ "max_evaluations": 9 }), "coordinator resume", "0.2").unwrap();
+    let found = file.finished(&Request { id: 3, ..request(92) }).unwrap().unwrap();
+    assert_eq!(found, Finished { id: 3, ..finished(92) });
+    assert_eq!(file.count().unwrap(), 4);
+}
+
+#[test]
+fn bores_are_kept_of_evaluations_with_their_first_cycle() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut file = CampaignFile::create(dir.path(), &meta(), &scene()).unwrap();
+    for id in [0, 1] {
+        let mut worn = finished(id);
+        let bore = JointSummary {
+            name: "1".into(),
+            peak_force: 3.0,
+            wear_depth: vec![1e-5; 36],
+            journal_wear_depth: Vec::new(),
+        };
+        worn.outcome.as_mut().unwrap().joints = vec![bore];
+        file.record(&request(id), &worn).unwrap();
+    }
+    let bores = [0, 1].map(|id| {
+        let kept = file.finished(&request(id)).unwrap().unwrap().outcome.unwrap();
+        (request(id).with_first_cycle, kept.joints.len())
+    });
+    assert_eq!(bores, [(true, 1), (false, 0)]);
 }

@@ -6,34 +6,26 @@
 //! evaluation (milliseconds against seconds of simulation). Exclusion: a lock on `DIR/campaign.lock`, which the
 //! operating system releases when the process ends. Readers may open the database meanwhile.
 
-#[cfg(test)]
-mod bores_tests;
 mod connection;
 mod error;
 mod exact;
-mod further;
-#[cfg(test)]
-mod further_tests;
 mod journal;
 mod leg;
 #[cfg(test)]
 mod leg_tests;
-mod migration;
 mod read;
 mod schema;
 #[cfg(test)]
 mod tests;
-mod value_tables;
 
 pub use connection::FILE_NAME;
 pub use error::{StoreError, is_unusable_path};
-pub use further::FurtherEvaluations;
-pub use leg::Leg;
+pub use journal::FurtherEvaluations;
 pub use read::StoredEvaluation;
 
 use crate::farm::evaluate::EvaluationResult;
 use common::scene::Scene;
-use connection::{Held, connect, connect_read_only, named};
+use connection::{Held, connect, connect_read_only, has_no_table, named};
 use rusqlite::{Connection, OpenFlags};
 use serde::{Deserialize, Serialize};
 use std::fs::{File, TryLockError};
@@ -62,9 +54,12 @@ pub struct CampaignMeta {
 #[derive(Debug)]
 pub struct CampaignFile {
     connection: Connection,
-    dir: PathBuf,
-    meta: CampaignMeta,
-    created_at: String,
+    /// Folder of the study.
+    pub dir: PathBuf,
+    /// Scene and settings of the campaign.
+    pub meta: CampaignMeta,
+    /// Start of the campaign (UTC, ISO 8601).
+    pub created_at: String,
     inputs: Vec<String>,
     outputs: Vec<String>,
     /// Whether the file has a column for the level of accuracy.
@@ -119,7 +114,7 @@ impl CampaignFile {
     pub fn look(dir: &Path) -> Result<Self, StoreError> {
         let path = campaign_path(dir)?;
         let (connection, held) = connect_read_only(&path)?;
-        if has_no_table(&path, &connection)? {
+        if has_no_table(&path, &connection).map_err(|error| named(&path, error))? {
             return Err(StoreError::NoCampaign(dir.into()));
         }
         layout(&path, &connection)?;
@@ -135,10 +130,10 @@ impl CampaignFile {
     fn from_connection(dir: &Path, mut connection: Connection, lock: File) -> Result<Self, StoreError> {
         let path = dir.join(FILE_NAME);
         if layout(&path, &connection)? < schema::SCHEMA_VERSION {
-            migration::migrate(&mut connection).map_err(StoreError::of(&path))?;
+            schema::migrate(&mut connection).map_err(StoreError::of(&path))?;
         }
         make_durable(&connection).map_err(StoreError::of(&path))?;
-        Self::read(dir, connection, Held::Lock(lock))
+        Self::read(dir, connection, Box::new(lock))
     }
 
     fn read(dir: &Path, connection: Connection, held: Held) -> Result<Self, StoreError> {
@@ -152,41 +147,24 @@ impl CampaignFile {
             StoreError::Encoding(path.clone(), "settings".into(), error.to_string())
         };
         let settings = serde_json::from_str(&value("settings")?).map_err(unread)?;
-        let [scene, scene_source, command, version] =
-            ["scene", "scene_source", "command", "version"].map(value);
         let meta = CampaignMeta {
-            scene: scene?,
-            scene_source: scene_source?,
+            scene: value("scene")?,
+            scene_source: value("scene_source")?,
             settings,
-            command: command?,
-            version: version?,
+            command: value("command")?,
+            version: value("version")?,
         };
         Ok(Self {
             dir: dir.into(),
             meta,
             created_at: value("created_at")?,
-            inputs: value_tables::table_columns(&connection, "input").map_err(failed)?,
-            outputs: value_tables::table_columns(&connection, "output").map_err(failed)?,
+            inputs: schema::table_columns(&connection, "input").map_err(failed)?,
+            outputs: schema::table_columns(&connection, "output").map_err(failed)?,
             has_levels: layout(&path, &connection)? == schema::SCHEMA_VERSION,
             connection,
             log_written: None,
             _held: held,
         })
-    }
-
-    /// Folder of the study.
-    pub fn dir(&self) -> &Path {
-        &self.dir
-    }
-
-    /// Scene and settings of the campaign.
-    pub fn meta(&self) -> &CampaignMeta {
-        &self.meta
-    }
-
-    /// Start of the campaign (UTC, ISO 8601).
-    pub fn created_at(&self) -> &str {
-        &self.created_at
     }
 
     fn path(&self) -> PathBuf {
@@ -251,12 +229,8 @@ fn make_durable(connection: &Connection) -> rusqlite::Result<()> {
 
 /// Whether the file is a database without any table, which a process killed in [`CampaignFile::create`] leaves.
 fn is_empty_database(path: &Path) -> Result<bool, StoreError> {
-    has_no_table(path, &connect(path, OpenFlags::SQLITE_OPEN_READ_WRITE)?)
-}
-
-fn has_no_table(path: &Path, connection: &Connection) -> Result<bool, StoreError> {
-    let found = connection.query_row("SELECT count(*) = 0 FROM sqlite_schema", [], |row| row.get(0));
-    found.map_err(|source| named(path, StoreError::of(path)(source)))
+    let connection = connect(path, OpenFlags::SQLITE_OPEN_READ_WRITE)?;
+    has_no_table(path, &connection).map_err(|error| named(path, error))
 }
 
 /// Tables and metadata in one transaction: a campaign exists whole or not at all.
@@ -291,7 +265,7 @@ fn layout(path: &Path, connection: &Connection) -> Result<i64, StoreError> {
         return Err(StoreError::NotACampaign(path.into()));
     }
     match pragma("user_version")? {
-        known @ migration::FROM..=schema::SCHEMA_VERSION => Ok(known),
+        known @ schema::EARLIEST_VERSION..=schema::SCHEMA_VERSION => Ok(known),
         found => {
             let program = schema::program_version(connection);
             Err(StoreError::SchemaVersion { path: path.into(), found, program })

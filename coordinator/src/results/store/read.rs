@@ -95,6 +95,24 @@ impl CampaignFile {
         self.each("WHERE id >= 0 ORDER BY id", visit)
     }
 
+    /// Calls `visit` on every recorded evaluation at the working accuracy, or at finer levels if `is_finer`: first those of the study in the
+    /// order of their numbers, then the others in the order in which they were recorded.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub fn for_each_known(
+        &self,
+        is_finer: bool,
+        mut visit: impl FnMut(StoredEvaluation),
+    ) -> Result<(), StoreError> {
+        let (column, level) = (self.level_column(), if is_finer { "> 0" } else { "= 0" });
+        let rest = format!("WHERE stricter < 2 AND {column} {level} ORDER BY id < 0, abs(id)");
+        self.each(&rest, |stored| {
+            visit(stored);
+            Ok(())
+        })
+    }
+
     /// Calls `visit` on the rows of a query, one in memory at a time; `rest` is what follows the name of the table.
     pub(super) fn each<E: From<StoreError>>(
         &self,

@@ -5,13 +5,13 @@
 //! leg but for its settings are also in `campaign`, whose settings are those of the last leg). `evaluation.stricter` is 1
 //! for the repetition of a failed simulation with finer time steps, and 2 for an outcome that does not fit the scene; `evaluation.level` is the level of accuracy, 0 for
 //! the working accuracy of the study. Numbers below zero are evaluations that are no part of
-//! the result, see [`super::leg`] and [`super::further`].
+//! the result, see [`super::leg`] and [`super::journal`].
 //!
 //! The columns `sample` and `outcome` of `evaluation` are what the program reads back: little-endian f64 and
 //! CBOR, exact to the last bit, where SQL's REAL would lose a negative zero and a NaN. The tables `input`,
 //! `output` and `output_error` repeat them for queries.
 //!
-//! Version 3 had no column `level`, see [`super::migration`]; earlier ones are not read.
+//! Version 3 had no column `level`, see [`migrate`]; earlier ones are not read.
 
 use common::scene::Scene;
 use rusqlite::{Connection, params};
@@ -22,6 +22,21 @@ pub const APPLICATION_ID: i64 = 0x4867_7743;
 
 /// Version of this layout, in `PRAGMA user_version`.
 pub const SCHEMA_VERSION: i64 = 4;
+
+/// The earliest layout that [`migrate`] starts from.
+pub const EARLIEST_VERSION: i64 = 3;
+
+/// Migrates a file of the layout [`EARLIEST_VERSION`] to the present one in one transaction: the file is complete in the old layout or in the
+/// new one. The old one has no levels of accuracy: all its evaluations are at the working accuracy.
+///
+/// # Errors
+/// Those of SQLite; the file is then as before.
+pub fn migrate(connection: &mut Connection) -> rusqlite::Result<()> {
+    let transaction = connection.transaction()?;
+    transaction.execute_batch("ALTER TABLE evaluation ADD COLUMN level INTEGER NOT NULL DEFAULT 0;")?;
+    transaction.pragma_update(None, "user_version", SCHEMA_VERSION)?;
+    transaction.commit()
+}
 
 /// The table of results.
 pub const DOCUMENT: &str =
@@ -45,6 +60,8 @@ pub fn program_version(connection: &Connection) -> Option<String> {
 
 /// Statements that create the tables for a scene.
 pub fn statements(scene: &Scene) -> String {
+    let inputs = columns(scene.variables.iter().map(|variable| variable.name.as_str()));
+    let outputs = columns(scene.outputs.iter().map(|output| output.name.as_str()));
     format!(
         "CREATE TABLE campaign (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
 CREATE TABLE evaluation (
@@ -69,9 +86,9 @@ CREATE TABLE {DOCUMENT};
 CREATE TABLE {LEG};
 PRAGMA application_id = {APPLICATION_ID};
 PRAGMA user_version = {SCHEMA_VERSION};",
-        inputs = reals(&input_columns(scene)),
-        output = output_table("output", &output_columns(scene)),
-        output_error = output_table("output_error", &output_columns(scene)),
+        inputs = reals(&inputs),
+        output = output_table("output", &outputs),
+        output_error = output_table("output_error", &outputs),
     )
 }
 
@@ -87,7 +104,7 @@ pub fn insert_leg(connection: &Connection, evaluations: usize, texts: [&str; 3])
 }
 
 /// Statement that creates a table of one row per evaluation and checkpoint, with these quoted columns.
-pub fn output_table(name: &str, columns: &[String]) -> String {
+fn output_table(name: &str, columns: &[String]) -> String {
     format!(
         "CREATE TABLE {name} (
   evaluation INTEGER NOT NULL REFERENCES evaluation (id),
@@ -102,16 +119,6 @@ fn reals(names: &[String]) -> String {
     names.iter().map(|name| format!(",\n  {name} REAL")).collect()
 }
 
-/// Quoted column names of the random variables in table `input`.
-pub fn input_columns(scene: &Scene) -> Vec<String> {
-    columns(scene.variables.iter().map(|variable| variable.name.as_str()))
-}
-
-/// Quoted column names of the outputs in table `output`.
-pub fn output_columns(scene: &Scene) -> Vec<String> {
-    columns(scene.outputs.iter().map(|output| output.name.as_str()))
-}
-
 /// Quoted names. SQL ignores the case: a name that coincides with another one or with the table's own
 /// columns, gets a number.
 fn columns<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
@@ -124,9 +131,22 @@ fn columns<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
                 column = format!("{name}_{number}");
                 number += 1;
             }
-            format!("\"{}\"", column.replace('"', "\"\""))
+            quoted(&column)
         })
         .collect()
+}
+
+fn quoted(name: &str) -> String {
+    format!("\"{}\"", name.replace('"', "\"\""))
+}
+
+/// Quoted names of a table's columns of values, in order.
+pub fn table_columns(connection: &Connection, table: &str) -> rusqlite::Result<Vec<String>> {
+    let mut statement = connection.prepare(
+        "SELECT name FROM pragma_table_info(?1) WHERE name NOT IN ('evaluation', 'cycles') ORDER BY cid",
+    )?;
+    let names = statement.query_map([table], |row| row.get::<_, String>(0))?;
+    names.map(|name| name.map(|name| quoted(&name))).collect()
 }
 
 #[cfg(test)]

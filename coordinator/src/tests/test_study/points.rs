@@ -1,8 +1,8 @@
 //! Points of the fixture: most probable failures, predictions, and samples without simulations.
 
 use super::report_input;
-use crate::presentation::report::{ReportInput, SimulatedSample};
-use crate::results::point_summary::{CoordinateRow, FailurePointRow, PredictionRow};
+use crate::presentation::report::ReportInput;
+use crate::results::summary_rows::{CoordinateRow, FailurePointRow, PredictionRow};
 use common::random::RandomVariable;
 use common::scene::Scene;
 
@@ -41,9 +41,9 @@ pub fn report_with_samples() -> ReportInput {
     let probability =
         |j: usize, k: usize| ((j as f64 + 0.5) * (2.0 + k as f64).sqrt()).fract().clamp(0.001, 0.999);
     input.samples = (0..200)
-        .map(|j| SimulatedSample {
-            values: laws.iter().enumerate().map(|(k, law)| law.quantile(probability(j, k))).collect(),
-            failed_at: vec![(j % 4 == 0).then_some(65_000), (j % 6 == 0).then_some(64_000)],
+        .map(|j| {
+            let values = laws.iter().enumerate().map(|(k, law)| law.quantile(probability(j, k)));
+            (values.collect(), vec![(j % 4 == 0).then_some(65_000), (j % 6 == 0).then_some(64_000)])
         })
         .collect();
     input

@@ -18,16 +18,9 @@ pub const SCRIPT: &str = include_str!("play.js");
 /// Name of the figure; the script finds the drawing by it.
 pub const NAME: &str = "mechanism";
 
-/// A drawing and the data of its animation.
-pub struct Animation {
-    /// The drawing at the first instant.
-    pub figure: Figure,
-    /// Cycles with every frame, and the bores over life, JSON for [`SCRIPT`].
-    pub data: String,
-}
-
-/// The animation; `None` if the nominal evaluation does not include the motion of every body.
-pub fn animation(input: &ReportInput) -> Option<Animation> {
+/// The drawing at the first instant; and the cycles with every frame and the bores over life, JSON for [`SCRIPT`]. `None` if the nominal
+/// evaluation does not include the motion of every body.
+pub fn animation(input: &ReportInput) -> Option<(Figure, String)> {
     let nominal = input.nominal.as_ref()?;
     let scene = &input.scene;
     let [last, first] = [input.last_cycle(), input.first_cycle()];
@@ -72,20 +65,13 @@ pub fn animation(input: &ReportInput) -> Option<Animation> {
         drawing: drawing::picture(scene, &layout, first, &wear),
         csv: csv(&["cycle", "body", "time [ms]", "x [mm]", "y [mm]", "angle [deg]"], rows),
     };
+    let cycles: Value = shown.iter().map(|shown| cycle(scene, &layout, shown)).collect();
     let lives = input.worn().filter(|worn| worn.cycles.len() > 1);
-    Some(Animation { figure, data: json(scene, &layout, &shown, lives).to_string() })
+    let lives = lives.map(|worn| bores(scene, &layout, worn));
+    Some((figure, json!({ "cycles": cycles, "lives": lives }).to_string()))
 }
 
-/// A JSON object: `cycles` with one entry per cycle, and `lives`, the lives at which bores are known with the depths of every joint with
-/// clearance at equal angles, in drawing units, or `null`. An entry of a cycle has its name, whether the bores are worn, and per body that moves the numbers
-/// (x, y, degrees) of every frame, per joint (x, y), per joint with clearance (x, y, degrees of the journal from the
-/// bushing, degrees of the bushing), in drawing units.
-fn json(scene: &Scene, layout: &Layout, shown: &[AnimatedCycle<'_>], lives: Option<&WornLife>) -> Value {
-    let cycles: Value = shown.iter().map(|shown| cycle(scene, layout, shown)).collect();
-    json!({ "cycles": cycles, "lives": lives.map(|worn| bores(scene, layout, worn)) })
-}
-
-/// Lives in cycles, and the depths of the bores at each.
+/// Lives in cycles at which bores are known, and at each the depths of every joint with clearance at equal angles, in drawing units.
 fn bores(scene: &Scene, layout: &Layout, worn: &WornLife) -> Value {
     let magnified = |depth: &f64| rounded(layout.magnify([*depth, 0.0])[0]);
     let depths = |depths: &Vec<f64>| depths.iter().map(magnified).collect::<Value>();
@@ -95,6 +81,8 @@ fn bores(scene: &Scene, layout: &Layout, worn: &WornLife) -> Value {
     json!({ "cycles": worn.cycles, "bore": BORE, "bores": worn.wear_depth.iter().map(life).collect::<Value>() })
 }
 
+/// The name of a cycle, whether the bores are worn, and per body that moves the numbers (x, y, degrees) of every frame, per joint (x, y), per
+/// joint with clearance (x, y, degrees of the journal from the bushing, degrees of the bushing), in drawing units.
 fn cycle(scene: &Scene, layout: &Layout, shown: &AnimatedCycle<'_>) -> Value {
     fn over<const N: usize>(shown: &AnimatedCycle<'_>, numbers: impl Fn(&[Pose]) -> [f64; N]) -> Value {
         shown.frames().flat_map(numbers).map(rounded).collect()
@@ -136,13 +124,13 @@ mod tests {
     #[test]
     fn the_picture_has_every_body_and_joint_and_the_data_move_them() {
         let input = test_study::report_input();
-        let animation = animation(&input).unwrap();
-        let svg = animation.figure.drawing.document(&maud::html! {});
+        let (figure, data) = animation(&input).unwrap();
+        let svg = figure.drawing.document(&maud::html! {});
         let document = roxmltree::Document::parse(&svg).unwrap();
         let with =
             |attribute: &str| document.descendants().filter(|node| node.has_attribute(attribute)).count();
         assert_eq!((with("data-body"), with("data-joint"), with("data-bore")), (2, 6, 6));
-        let data: serde_json::Value = serde_json::from_str(&animation.data).unwrap();
+        let data: serde_json::Value = serde_json::from_str(&data).unwrap();
         let cycles = data["cycles"].as_array().unwrap();
         assert_eq!(cycles.len(), 2);
         for cycle in cycles {
@@ -179,9 +167,9 @@ mod tests {
     fn an_incomplete_motion_is_not_shown() {
         let mut input = test_study::report_input();
         input.nominal.as_mut().unwrap().worn = None;
-        let unworn = animation(&input).unwrap();
-        assert!(unworn.data.contains("\"lives\":null"));
-        assert!(unworn.figure.caption.ends_with("Bores unworn."));
+        let (unworn, data) = animation(&input).unwrap();
+        assert!(data.contains("\"lives\":null"));
+        assert!(unworn.caption.ends_with("Bores unworn."));
         input.nominal.as_mut().unwrap().first_cycle.as_mut().unwrap().motion[1].angle[3] = f64::NAN;
         assert!(animation(&input).is_none());
     }

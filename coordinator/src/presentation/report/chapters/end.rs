@@ -1,12 +1,68 @@
-//! The end of the page: what identifies the study and the chapter by which it is signed; in the appendix computing effort, failed
-//! simulations, and what is needed to repeat the study.
+//! The end of the page: combinations that fail and most probable failures; what identifies the study and the chapter by which it is signed;
+//! in the appendix computing effort, failed simulations, and what is needed to repeat the study.
 
-use crate::presentation::report::format::{UNKNOWN, count, percent};
+use crate::presentation::report::figures::parallel_coordinates;
+use crate::presentation::report::format::{
+    UNKNOWN, capital, count, fixed, joined, number_of_cycles, percent, seven_digits, three_digits, unit_scale,
+};
 use crate::presentation::report::page::{details, mark, refer_table};
 use crate::presentation::report::{
     Page, ReportInput, captioned, drawing, table, table_of_text, tables, words,
 };
+use crate::results::summary_rows::{CoordinateRow, FailurePointRow};
 use maud::{Markup, Render, html};
+
+/// Adds the chapter of combinations that fail and of most probable failures.
+pub fn failing(page: &mut Page, input: &ReportInput) {
+    page.begin("Simulations and failure points");
+    let combinations = page.draw(parallel_coordinates(input), "two");
+    page.add(html! { (combinations) (failure_points(input)) });
+}
+
+/// The most probable failures of all limit states: one pair of columns each, one row per variable.
+fn failure_points(input: &ReportInput) -> Markup {
+    let points = &input.summary.failure_points;
+    if points.is_empty() {
+        let failed = input.summary.reliability.iter().any(|row| row.reliability.get("total") < Some(&1.0));
+        return html! {
+            p.none {
+                @if failed { "The study stored no most probable failures." }
+                @else { "No failure was found, so that there is no most probable one." }
+            }
+        };
+    }
+    let of_point =
+        |point: &FailurePointRow| [format!("{}: value", point.limit_state), "standard deviations".to_owned()];
+    let head: Vec<String> =
+        ["variable", "unit"].map(str::to_owned).into_iter().chain(points.iter().flat_map(of_point)).collect();
+    let rows = input.scene.variables.iter().map(|variable| {
+        let scale = unit_scale(&variable.unit);
+        let cells = points.iter().flat_map(move |point| {
+            let own = point.variables.iter().find(|row| row.variable == variable.name);
+            let cell = |text: &dyn Fn(&CoordinateRow) -> String| own.map_or(UNKNOWN.to_owned(), text);
+            [cell(&|row| seven_digits(row.value / scale)), cell(&|row| fixed(row.normal, 2))]
+        });
+        [variable.name.clone(), variable.unit.clone()].into_iter().chain(cells)
+    });
+    let title = format!(
+        "Most probable failure per limit state: of all failed points of the population the one nearest to the medians in the space of \
+         independent standard normals. {}",
+        joined(points.iter().map(|point| failure_point(input, point)), " ")
+    );
+    captioned("failure-points", &title, table(&head, rows))
+}
+
+fn failure_point(input: &ReportInput, point: &FailurePointRow) -> String {
+    let by = format!("by {}, when ", number_of_cycles(point.cycles));
+    let by = if input.summary.is_static() { "" } else { &by };
+    let failed = if point.failed < 1e-4 { three_digits(point.failed) } else { percent(point.failed) };
+    format!(
+        "{}: {by}{failed} of the population {}, at a distance of {} standard deviations.",
+        capital(&point.limit_state),
+        if by.is_empty() { "fails" } else { "have failed" },
+        fixed(point.distance, 2)
+    )
+}
 
 /// Failed evaluations listed one by one.
 const FAILURES_LISTED: usize = 50;
@@ -46,7 +102,7 @@ pub fn effort(page: &mut Page, input: &ReportInput) {
                     (captioned("work", "Numerical work", tables::diagnostics(input)))
                 }
                 @if let Some(table) = tables::stated_errors(input) {
-                    (captioned("nominal", &format!("Outputs of the nominal {}", input.summary.subject()), table))
+                    (captioned("nominal", &format!("Outputs of the nominal {}", input.subject()), table))
                 }
             }
             div { (captioned("timing", "Times and workers", tables::timing(input))) }
@@ -207,8 +263,9 @@ fn signatures(input: &ReportInput) -> Markup {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::presentation::report::{FigureFiles, page, render};
+    use crate::presentation::report::{page, render};
     use crate::tests::test_study;
+    use common::random::RandomVariable;
 
     #[test]
     fn times_are_stated_to_the_second() {
@@ -221,7 +278,7 @@ mod tests {
         input.written = crate::presentation::report::written::WrittenScene::new(include_str!(
             "../../../../../common/tests/scenes/everything.toml"
         ));
-        let text = render(&input, FigureFiles::NextToPage).html(None);
+        let text = render(&input, true).html(None);
         let (head, rest) = text.split_once("<nav").unwrap();
         assert!(head.contains("Project of every word, revision B, by A. Author"), "{head}");
         assert!(head.contains("A note to the reader."));
@@ -230,7 +287,7 @@ mod tests {
             assert!(body.contains(said) && !appendix.contains(said), "{said}");
         }
         input.sign(&[("report.author", "E. Editor"), ("scene.title", "Another title")]);
-        let text = render(&input, FigureFiles::NextToPage).html(None);
+        let text = render(&input, true).html(None);
         assert!(text.contains("<td>E. Editor</td>") && text.contains("<h1>Another title</h1>"));
         assert!(!text.contains("A. Author"));
     }
@@ -239,8 +296,8 @@ mod tests {
     #[test]
     fn every_element_of_a_prediction_is_answered_where_the_list_says() {
         let input = test_study::report_input();
-        let listed = page::resolve(&elements(&input).0, page::FigureFiles::Absent);
-        let text = render(&input, FigureFiles::NextToPage).html(None);
+        let listed = page::resolve(&elements(&input).0, false);
+        let text = render(&input, true).html(None);
         let (_, list) = text.split_once("id=\"table-elements\"").unwrap();
         let list = list.split("</table>").next().unwrap();
         assert_eq!(list.matches("<tr>").count(), listed.matches("<tr>").count());
@@ -248,5 +305,38 @@ mod tests {
         for name in ["facts", "bodies", "limits", "settings", "variables", "joints", "lives", "reliability"] {
             assert!(list.contains(&format!("<a href=\"#table-{name}\">")), "{name}: {list}");
         }
+    }
+    #[test]
+    fn the_table_has_values_in_units_and_distances() {
+        let mut input = test_study::report_input();
+        let text = |input: &ReportInput| failure_points(input).0.replace('\u{a0}', " ");
+        input.summary.failure_points.clear();
+        assert!(text(&input).contains("stored no most probable failures"));
+        let row = |variable: &RandomVariable| CoordinateRow {
+            variable: variable.name.clone(),
+            value: if variable.name == "rod_length" { 0.040_055_4 } else { variable.distribution.mean() },
+            normal: if variable.name == "rod_length" { 1.0 } else { 0.0 },
+        };
+        input.summary.failure_points.push(FailurePointRow {
+            limit_state: "wear".into(),
+            cycles: 63_000,
+            failed: 0.0123,
+            distance: 2.345,
+            variables: input.scene.variables.iter().map(row).collect(),
+        });
+        let found = text(&input);
+        for said in [
+            "<td>rod_length</td><td>mm</td>",
+            ">40.0554</td>",
+            "Wear: by 63 000 cycles, when 1.2 % of the population have failed",
+            "distance of 2.35 standard",
+        ] {
+            assert!(found.contains(said), "{said}: {found}");
+        }
+        for at in &mut input.summary.reliability {
+            at.reliability.insert("total".into(), 1.0);
+        }
+        input.summary.failure_points.clear();
+        assert!(text(&input).contains("No failure was found"));
     }
 }

@@ -2,14 +2,13 @@
 //! and show the values of charts at the pointer. Without them the drawing shows its first frame.
 
 mod end;
-mod points;
 
 use super::animation::{SCRIPT, animation};
 use super::figures::{self, file_name};
 use super::format::{count, fixed, joined, sentence};
 use super::life::{LEVELS, failure_probability, rows_that_matter, unit_of_life};
 use super::page::refer_table;
-use super::{FigureFiles, Page, ReportInput, captioned, table_of};
+use super::{Page, ReportInput, captioned, table_of};
 use super::{levels, sliders, studied, tables, variants, words};
 use common::outputs::JointSummary;
 use common::scene::{Joint, JointKind, OutputUnit};
@@ -18,9 +17,11 @@ use maud::{Markup, PreEscaped, html};
 /// The script that shows the values of a chart at the pointer.
 const HOVER: &str = include_str!("hover.js");
 
-/// The whole page: the verdict, what a reader decides by, and an appendix with everything else.
-pub fn page(input: &ReportInput, files: FigureFiles) -> Page {
-    let mut page = Page::new(&input.scene.title, header(input), files);
+/// The whole page: the verdict, what a reader decides by, and an appendix with everything else; `has_files` if the files of its figures
+/// stand next to it.
+pub fn page(input: &ReportInput, has_files: bool) -> Page {
+    let mut page = Page::new(&input.scene.title, header(input));
+    page.has_files = has_files;
     lead(&mut page, input);
     page.add_contents();
     page.begin("What was studied");
@@ -32,7 +33,7 @@ pub fn page(input: &ReportInput, files: FigureFiles) -> Page {
     page.add_chapter("Outputs over life", html! {}, (figures::histories(input), "two"), none);
     variants_of_model(&mut page, input);
     influences(&mut page, input);
-    points::failures(&mut page, input);
+    end::failing(&mut page, input);
     let scripts = input.summary.of_mechanism().then(|| motion(&mut page, input));
     quality(&mut page, input);
     end::identification(&mut page, input);
@@ -163,13 +164,13 @@ fn appendix(page: &mut Page, input: &ReportInput) {
 /// Adds the motion of the nominal mechanism. Returns the data of the animation and its script, for the end of the page.
 pub fn motion(page: &mut Page, input: &ReportInput) -> Markup {
     page.begin("The mechanism");
-    let Some(motion) = animation(input) else {
+    let Some((figure, data)) = animation(input) else {
         page.add(html! { p.none { "The nominal evaluation does not include the motion of every body." } });
         return html! {};
     };
-    page.add_moving(motion.figure, controls());
+    page.add_moving(figure, controls());
     html! {
-        script type="application/json" id="motion" { (PreEscaped(motion.data)) } "\n"
+        script type="application/json" id="motion" { (PreEscaped(data)) } "\n"
         script { "\n" (PreEscaped(SCRIPT)) } "\n"
     }
 }

@@ -261,9 +261,8 @@ fn largest(values: &[f64]) -> f64 {
 
 /// Smallest and largest value of a table, as numbers.
 fn range(table: &Table, scale: f64) -> String {
-    let least = table.value.iter().copied().fold(f64::INFINITY, f64::min);
-    let most = table.value.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    format!("{} to {}", seven_digits(least * scale), seven_digits(most * scale))
+    let [least, most] = table.range().map(|value| seven_digits(value * scale));
+    format!("{least} to {most}")
 }
 
 /// A drive in words, and whether it begins counter-clockwise.

@@ -22,12 +22,11 @@ mod tests;
 
 pub use dxf::dxf;
 pub use geometry::{DrawnBody, DrawnDrive, DrawnJoint, DrawnLoad, DrawnMechanism, LoadSymbol};
-pub use labels::{Label, LabelArea, PlacedLabel};
 pub use sheet::{MechanismSheet, sheet};
 pub use sketch::sketch;
 
-use super::figure::{Figure, csv};
 use super::format::joined;
+use super::{Figure, csv};
 use crate::results::csv_table::number;
 use common::scene::Scene;
 

@@ -6,7 +6,7 @@ use super::geometry::{
 };
 use super::labels::{Label, LabelArea, LetterSize, PlacedLabel, place_labels};
 use super::symbols::{self, arrow, coordinate, path_along};
-use crate::presentation::report::format::{three_digits, unit_scale};
+use crate::presentation::report::format::{three_digits, unit_scale, without_zeros};
 use crate::presentation::report::mechanism::extent;
 use crate::presentation::report::{Drawing, Ink};
 use maud::{Markup, html};
@@ -100,8 +100,8 @@ fn sheet_within(drawn: &DrawnMechanism, room: [f64; 2]) -> MechanismSheet {
     let drives: Vec<Symbol> = drawn.drives.iter().map(|drive| drive_symbol(drive, &scale)).collect();
     // Those with the least choice of places have the first.
     let named = [&joints, &bodies, &drives, &loads].into_iter().flatten();
-    let covered: Vec<[f64; 2]> = named.clone().flat_map(|symbol| symbol.covers.iter().copied()).collect();
-    let names: Vec<Label> = named.filter_map(|symbol| symbol.label.clone()).collect();
+    let covered: Vec<[f64; 2]> = named.clone().flat_map(|(_, covers, _)| covers).copied().collect();
+    let names: Vec<Label> = named.filter_map(|(.., label)| label.clone()).collect();
     let labels = place_labels(&names, &covered, LETTERS);
     // A hinge lies on the block that it turns on.
     let (on_rails, others): (Vec<_>, Vec<_>) =
@@ -114,7 +114,7 @@ fn sheet_within(drawn: &DrawnMechanism, room: [f64; 2]) -> MechanismSheet {
     let [x, y] = area.from.map(coordinate);
     let content = html! {
         rect x=(x) y=(y) width=(width) height=(height) fill=(Ink::Paper.hex()) {}
-        @for symbol in bodies.iter().chain(&loads).chain(joints).chain(&drives) { (symbol.markup) }
+        @for (markup, ..) in bodies.iter().chain(&loads).chain(joints).chain(&drives) { (markup) }
         @for label in &labels { (text(label)) }
         (foot(drawn, area, bar, bar * units))
     };
@@ -151,11 +151,7 @@ pub fn length_in_words(length: f64, unit: &str) -> String {
         l if l >= 0.9995e-3 => (1e3 * l, "mm"),
         l => (1e6 * l, "µm"),
     };
-    // The digits of three, without trailing zeros.
-    let digits = three_digits(value);
-    let short =
-        if digits.contains('.') { digits.trim_end_matches('0').trim_end_matches('.') } else { &digits };
-    format!("{short}\u{a0}{unit}")
+    format!("{}\u{a0}{unit}", without_zeros(&three_digits(value)))
 }
 
 /// Points along a line, close enough that no letter fits between two.
@@ -184,12 +180,8 @@ pub fn places(points: &[[f64; 2]], scale: &SheetScale) -> Vec<[f64; 2]> {
     points.iter().map(|point| scale.place(*point)).collect()
 }
 
-/// A symbol with what it covers and its label.
-struct Symbol {
-    markup: Markup,
-    covers: Vec<[f64; 2]>,
-    label: Option<Label>,
-}
+/// A symbol, points that it covers `(n, 2)` [drawing units], and its label.
+type Symbol = (Markup, Vec<[f64; 2]>, Option<Label>);
 
 fn body_symbol(index: usize, body: &DrawnBody, scale: &SheetScale) -> Symbol {
     let (outline, supports) = (places(&body.outline_m, scale), places(&body.supports_m, scale));
@@ -216,7 +208,7 @@ fn body_symbol(index: usize, body: &DrawnBody, scale: &SheetScale) -> Symbol {
         @for support in &supports { (symbols::ground(*support)) }
         @if !is_fixed { (symbols::link(&outline, Ink::Series(index))) }
     };
-    Symbol { markup, covers, label }
+    (markup, covers, label)
 }
 
 /// Circle of a hinge, filled without clearance; square of a weld; block of a slider on its rail.
@@ -257,7 +249,7 @@ fn joint_symbol(joint: &DrawnJoint, scale: &SheetScale) -> Symbol {
         }
         (symbol)
     };
-    Symbol { markup, covers, label }
+    (markup, covers, label)
 }
 
 fn drive_symbol(drive: &DrawnDrive, scale: &SheetScale) -> Symbol {
@@ -265,7 +257,7 @@ fn drive_symbol(drive: &DrawnDrive, scale: &SheetScale) -> Symbol {
     let text = format!("{}, {} at {:.0}°", drive.body, drive.speed, drive.angle_deg);
     let label = Some(Label { text, at, clear: TURNS[0] + 6.0, body: None });
     let markup = symbols::turn(at, TURNS[0], drive.counter_clockwise, Ink::Ink);
-    Symbol { markup, covers: circle(at, TURNS[0]), label }
+    (markup, circle(at, TURNS[0]), label)
 }
 
 fn load_symbol(load: &DrawnLoad, scale: &SheetScale) -> Symbol {
@@ -304,7 +296,7 @@ fn load_symbol(load: &DrawnLoad, scale: &SheetScale) -> Symbol {
         }
     };
     let text = format!("{} {}", load.name, load.size);
-    Symbol { markup, covers, label: Some(Label { text, at, clear, body: None }) }
+    (markup, covers, Some(Label { text, at, clear, body: None }))
 }
 
 /// A label, with a line to its point where it is not next to it.

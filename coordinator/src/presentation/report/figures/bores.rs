@@ -8,7 +8,7 @@ use crate::presentation::report::polar::{Polar, Stroke, freest, full_scale};
 use crate::presentation::report::{Figure, Ink, ReportInput, csv};
 use crate::results::csv_table::number;
 use common::outputs::CycleHistory;
-use common::scene::{Joint, JointKind, OutputUnit};
+use common::scene::{JointKind, OutputUnit};
 
 /// Radius of the unworn bore, as a share of the outermost ring's.
 const BORE: f64 = 0.5;
@@ -27,7 +27,7 @@ pub fn bores(input: &ReportInput) -> Vec<Figure> {
     };
     let bores = || nominal.joints.iter().enumerate().filter(|(index, _)| is_bore(*index));
     let largest = bores().map(|(_, joint)| deepest(&joint.wear_depth)).fold(0.0, f64::max);
-    let (depth, force) = units(input);
+    let [depth, force] = [OutputUnit::Length, OutputUnit::Force].map(|usual| input.scene.units.of(usual));
     let full = full_scale(&depth, largest);
     let worn = bores().filter(|(_, joint)| !joint.wear_depth.is_empty());
     worn.map(|(index, joint)| {
@@ -101,16 +101,9 @@ pub fn lives_in_words(input: &ReportInput) -> String {
 /// Directions in which the extent of the orbit is determined, to place the labels.
 const DIRECTIONS: usize = 36;
 
-/// One joint's orbits.
-struct Orbits<'a> {
-    joint: &'a Joint,
-    /// Radial clearance [m].
-    clearance: f64,
-    /// Wear depth at the end of life at equal angles `(control_points,)` [m].
-    wear: &'a [f64],
-    /// Name (first or last), history, and orbit `(n, 2)` [m] of each cycle.
-    cycles: Vec<(&'static str, &'a CycleHistory, Vec<[f64; 2]>)>,
-}
+/// Name of a joint, its radial clearance [m], radii of its worn bore at equal angles `(control_points,)` [m], and of each cycle its name
+/// (first or last), history, and orbit `(n, 2)` [m].
+type Orbits<'a> = (&'a str, f64, Vec<f64>, Vec<(&'static str, &'a CycleHistory, Vec<[f64; 2]>)>);
 
 /// One polar figure per joint with clearance whose motion the nominal evaluation includes, all at one scale.
 pub fn orbits(input: &ReportInput) -> Vec<Figure> {
@@ -126,31 +119,26 @@ pub fn orbits(input: &ReportInput) -> Vec<Figure> {
         let orbit = |poses: &Vec<Vec<Pose>>| poses.iter().map(|poses| eccentricity(poses, joint)).collect();
         let cycles = known.iter().map(|(name, cycle, poses)| (*name, *cycle, orbit(poses))).collect();
         let wear = nominal.joints.get(index).map_or(&[][..], |joint| &joint.wear_depth);
-        Some(Orbits { joint, clearance: clearance.radial_clearance(), wear, cycles })
+        let clearance = clearance.radial_clearance();
+        let worn = wear.iter().map(|depth| clearance + depth).collect();
+        Some((joint.name.as_str(), clearance, worn, cycles))
     });
     let all: Vec<Orbits<'_>> = if known.is_empty() { vec![] } else { orbits.collect() };
-    let reach = |orbits: &Orbits<'_>| {
-        let far = orbits.cycles.iter().flat_map(|(.., orbit)| orbit).map(|e| e[0].hypot(e[1]));
-        far.chain(orbits.wear.iter().map(|depth| orbits.clearance + depth)).fold(orbits.clearance, f64::max)
+    let reach = |(_, clearance, worn, cycles): &Orbits<'_>| {
+        let far = cycles.iter().flat_map(|(.., orbit)| orbit).map(|e| e[0].hypot(e[1]));
+        far.chain(worn.iter().copied()).fold(*clearance, f64::max)
     };
-    let (depth, _) = units(input);
+    let depth = input.scene.units.of(OutputUnit::Length);
     let full = full_scale(&depth, all.iter().map(reach).fold(0.0, f64::max));
     all.iter().map(|orbits| orbit(orbits, full, &depth)).collect()
 }
 
-/// Units of depths and forces.
-fn units(input: &ReportInput) -> (OutputUnit, OutputUnit) {
-    (input.scene.units.of(OutputUnit::Length), input.scene.units.of(OutputUnit::Force))
-}
-
-fn orbit(orbits: &Orbits<'_>, full: f64, unit: &OutputUnit) -> Figure {
-    let name = &orbits.joint.name;
+fn orbit((name, clearance, worn, cycles): &Orbits<'_>, full: f64, unit: &OutputUnit) -> Figure {
     let mut polar = Polar::new(0.0, full);
-    polar.circle(orbits.clearance, Stroke { ink: Ink::Muted, width: 1.4, opacity: 1.0 });
-    let worn: Vec<f64> = orbits.wear.iter().map(|depth| orbits.clearance + depth).collect();
-    polar.closed(&worn, Stroke { ink: Ink::Muted, width: 1.4, opacity: 0.6 });
-    let mut reached = vec![orbits.clearance; DIRECTIONS];
-    for (cycle, _, orbit) in &orbits.cycles {
+    polar.circle(*clearance, Stroke { ink: Ink::Muted, width: 1.4, opacity: 1.0 });
+    polar.closed(worn, Stroke { ink: Ink::Muted, width: 1.4, opacity: 0.6 });
+    let mut reached = vec![*clearance; DIRECTIONS];
+    for (cycle, _, orbit) in cycles {
         let ink = Ink::Series(usize::from(*cycle == "last"));
         polar.curve(orbit, Stroke { ink, width: 3.0, opacity: 1.0 });
         for [x, y] in orbit.iter().filter(|[x, y]| x.is_finite() && y.is_finite()) {
@@ -160,14 +148,13 @@ fn orbit(orbits: &Orbits<'_>, full: f64, unit: &OutputUnit) -> Figure {
         }
     }
     let shown = |length: f64| fixed_with_unit(unit, length, 1);
-    let farthest = |cycle: &str| {
-        let orbit = orbits.cycles.iter().find(|(name, ..)| *name == cycle)?;
-        let far = orbit.2.iter().map(|e| e[0].hypot(e[1])).fold(0.0, f64::max);
-        Some(format!("{cycle} cycle {}", shown(far)))
-    };
-    let far = joined(["first", "last"].into_iter().filter_map(farthest), ", ");
-    let caption = format!("Radial clearance {}; largest eccentricity: {far}.", shown(orbits.clearance));
-    let rows = orbits.cycles.iter().flat_map(|(cycle, history, orbit)| {
+    let farthest = cycles.iter().map(|(cycle, _, orbit)| {
+        let far = orbit.iter().map(|e| e[0].hypot(e[1])).fold(0.0, f64::max);
+        format!("{cycle} cycle {}", shown(far))
+    });
+    let far = joined(farthest, ", ");
+    let caption = format!("Radial clearance {}; largest eccentricity: {far}.", shown(*clearance));
+    let rows = cycles.iter().flat_map(|(cycle, history, orbit)| {
         history.time.iter().zip(orbit).map(move |(time, [x, y])| {
             vec![cycle.to_string(), number(1e3 * time), number(1e6 * x), number(1e6 * y)]
         })

@@ -12,37 +12,30 @@ use common::scene::{Load, Motion, Output, OutputKind, OutputUnit, Over, Scene};
 /// Named curves over time [ms].
 type Traces = Vec<(String, Points)>;
 
-/// A quantity of a body over a cycle.
-struct BodyQuantity {
-    values: fn(&BodyTrace) -> &[f64],
-    unit: OutputUnit,
-    name: &'static str,
-}
+/// A quantity of a body over a cycle: its values, its unit and its name.
+type BodyQuantity = (fn(&BodyTrace) -> &[f64], OutputUnit, &'static str);
 
-static SPEED: BodyQuantity =
-    BodyQuantity { values: |body| &body.speed, unit: OutputUnit::AngularVelocity, name: "angular velocity" };
-static ANGLE: BodyQuantity =
-    BodyQuantity { values: |body| &body.angle, unit: OutputUnit::Angle, name: "angle" };
+static SPEED: BodyQuantity = (|body| &body.speed, OutputUnit::AngularVelocity, "angular velocity");
+static ANGLE: BodyQuantity = (|body| &body.angle, OutputUnit::Angle, "angle");
 
 /// Joint forces, angles and angular velocities of the settled first cycle of the unworn nominal mechanism.
 pub fn first_cycle(input: &ReportInput) -> Vec<Figure> {
     let Some(cycle) = input.first_cycle() else { return vec![] };
     let units = &input.scene.units;
-    let [angle, speed] = [&ANGLE, &SPEED].map(|quantity| units.of(quantity.unit.clone()));
+    let [angle, speed] = [&ANGLE, &SPEED].map(|(_, unit, _)| units.of(unit.clone()));
     let extremes = cycle.bodies.iter().map(|body| {
         let (low, high) = range(body.angle.iter().map(|value| angle.to_shown(*value)));
         let [low, high] = [low, high].map(|value| angle.after(&fixed(value, 3)).replace(" deg", "°"));
         format!("{}: {low} to {high}", body.label)
     });
     let extremes = format!("{}.", joined(extremes, "; "));
-    let traces = |shown: &BodyQuantity, unit: &OutputUnit| -> Traces {
-        let trace = |body: &BodyTrace| (body.label.clone(), trace(cycle, (shown.values)(body), unit));
+    let traces = |(values, ..): &BodyQuantity, unit: &OutputUnit| -> Traces {
+        let trace = |body: &BodyTrace| (body.label.clone(), trace(cycle, values(body), unit));
         cycle.bodies.iter().map(trace).collect()
     };
     let title = "Joint forces of the first cycle";
-    let of_angles = ["angles", "Angles of the first cycle", &axis(&angle, ANGLE.name)];
-    let of_speeds =
-        ["angular-velocities", "Angular velocities of the first cycle", &axis(&speed, SPEED.name)];
+    let of_angles = ["angles", "Angles of the first cycle", &axis(&angle, ANGLE.2)];
+    let of_speeds = ["angular-velocities", "Angular velocities of the first cycle", &axis(&speed, SPEED.2)];
     let force = units.of(OutputUnit::Force);
     let figures = [
         forces(cycle, &force, ["joint-forces", title, "Unworn nominal mechanism, settled."]),
@@ -57,15 +50,14 @@ pub fn first_cycle(input: &ReportInput) -> Vec<Figure> {
 pub fn last_cycle(input: &ReportInput) -> Vec<Figure> {
     let Some((first, last)) = input.first_cycle().zip(input.last_cycle()) else { return vec![] };
     let of_output = |output: &Output| {
-        let (a, b, quantity) = match &output.kind {
+        let (a, b, (values, usual, quantity)) = match &output.kind {
             OutputKind::AngularVelocityDifference { a, b } => (a, b, &SPEED),
             OutputKind::AngleDifference { a, b } => (a, b, &ANGLE),
             _ => return None,
         };
-        let unit = input.scene.units.of(quantity.unit.clone());
+        let unit = input.scene.units.of(usual.clone());
         let difference = |cycle: &CycleHistory| -> Option<Points> {
-            let values =
-                |label: &str| cycle.bodies.iter().find(|body| body.label == label).map(quantity.values);
+            let values = |label: &str| cycle.bodies.iter().find(|body| body.label == label).map(values);
             let pairs = values(&a.label)?.iter().zip(values(&b.label)?);
             Some(trace(cycle, &pairs.map(|(a, b)| a - b).collect::<Vec<f64>>(), &unit))
         };
@@ -73,9 +65,8 @@ pub fn last_cycle(input: &ReportInput) -> Vec<Figure> {
         let pair = |(name, cycle): (&str, &CycleHistory)| Some((name.to_owned(), difference(cycle)?));
         let traces: Traces = cycles.into_iter().filter_map(pair).collect();
         let caption = format!(
-            "{} of {} minus that of {}, with unworn bores and with the bores at the end of life. The output {} is its \
+            "{quantity} of {} minus that of {}, with unworn bores and with the bores at the end of life. The output {} is its \
              largest magnitude.",
-            quantity.name,
             a.label,
             b.label,
             words(&output.name)

@@ -7,7 +7,7 @@ use crate::presentation::report::bars::{NamedRows, shortened};
 use crate::presentation::report::format::{count, number_of_cycles};
 use crate::presentation::report::plot::px;
 use crate::presentation::report::{
-    BarPair, Bars, Drawing, Figure, Ink, ReportInput, Series, Shape, SimulatedSample, csv,
+    Bars, Drawing, Figure, Ink, ReportInput, Series, Shape, SimulatedSample, csv,
 };
 use crate::results::csv_table::number;
 use crate::results::summary::{SensitivityRow, SobolRow};
@@ -68,10 +68,9 @@ pub fn sensitivities(input: &ReportInput) -> Vec<Figure> {
             rows.len()
         );
         // The errors of the derivatives, on the scale of the scaled derivatives.
-        let pair = |row: &&SensitivityRow| BarPair {
-            name: words(&row.variable),
-            values: [finite(row.scaled.d_pf_d_mean), finite(row.scaled.d_pf_d_std)],
-            errors: row.scaled_errors().map(finite),
+        let pair = |row: &&SensitivityRow| {
+            let values = [row.scaled.d_pf_d_mean, row.scaled.d_pf_d_std].map(finite);
+            (words(&row.variable), values, row.scaled_errors().map(finite))
         };
         let (figure, all) = (&format!("sensitivity-{}", file_name(name)), rows.iter().map(pair).collect());
         let (labels, axis) = (["mean", "std"], "derivative of failure probability, times std");
@@ -96,10 +95,9 @@ pub fn variance_contributions(input: &ReportInput) -> Vec<Figure> {
             rows.len().min(SHOWN),
             rows.len()
         );
-        let pair = |row: &&SobolRow| BarPair {
-            name: words(&row.variable),
-            values: [finite(row.first_order), finite(row.total)],
-            errors: [finite(row.standard_error.first_order), finite(row.standard_error.total)],
+        let pair = |row: &&SobolRow| {
+            let errors = [row.standard_error.first_order, row.standard_error.total].map(finite);
+            (words(&row.variable), [row.first_order, row.total].map(finite), errors)
         };
         let (figure, all) = (&format!("sobol-{}", file_name(&state.name)), rows.iter().map(pair).collect());
         let (labels, axis) = (["first order", "total"], "share of the variance");
@@ -129,9 +127,9 @@ pub fn parallel_coordinates(input: &ReportInput) -> Option<Figure> {
     }
     let cycles = governing_cycles(input);
     let every = all.div_ceil(LINES);
-    let line = |sample: &SimulatedSample| -> DrawnLine {
-        let normals = variables.iter().map(|k| normal(input, sample, *k)).collect();
-        (normals, first_failure(input, sample, cycles))
+    let line = |(values, failed_at): &SimulatedSample| -> DrawnLine {
+        let normals = variables.iter().map(|k| normal(input, values, *k)).collect();
+        (normals, first_failure(input, failed_at, cycles))
     };
     let lines: Vec<DrawnLine> = input.samples.iter().step_by(every).map(line).collect();
     let failed = lines.iter().filter(|(_, failed)| failed.is_some()).count();
@@ -160,15 +158,15 @@ pub fn parallel_coordinates(input: &ReportInput) -> Option<Figure> {
 type DrawnLine = (Vec<f64>, Option<String>);
 
 /// Standard normal of a variable of a sample, within what is drawn.
-fn normal(input: &ReportInput, sample: &SimulatedSample, k: usize) -> f64 {
-    let value = sample.values.get(k).copied().unwrap_or(f64::NAN);
+fn normal(input: &ReportInput, values: &[f64], k: usize) -> f64 {
+    let value = values.get(k).copied().unwrap_or(f64::NAN);
     let u = input.scene.variables[k].distribution.to_standard_normal(value);
     if u.is_nan() { 0.0 } else { u.clamp(-REACH, REACH) }
 }
 
 /// The limit state that a simulation reached first, up to this life.
-fn first_failure(input: &ReportInput, sample: &SimulatedSample, cycles: u32) -> Option<String> {
-    let reached = input.scene.limit_states.iter().zip(&sample.failed_at);
+fn first_failure(input: &ReportInput, failed_at: &[Option<u32>], cycles: u32) -> Option<String> {
+    let reached = input.scene.limit_states.iter().zip(failed_at);
     let reached = reached.filter_map(|(state, at)| Some((at.filter(|at| *at <= cycles)?, state)));
     reached.min_by_key(|(at, _)| *at).map(|(_, state)| state.name.clone())
 }
@@ -209,7 +207,7 @@ mod tests {
         let mut input = test_study::report_with_samples();
         let cycles = governing_cycles(&input);
         for (k, sample) in input.samples.iter_mut().enumerate() {
-            sample.failed_at = match k % 3 {
+            sample.1 = match k % 3 {
                 0 => vec![Some(cycles), Some(cycles - 1000)],
                 1 => vec![Some(cycles + 1000), None],
                 _ => vec![None, None],

@@ -6,8 +6,8 @@ use crate::presentation::report::levels::{PARTS, half_widths};
 use crate::presentation::report::{
     Axis, Figure, Ink, Plot, Points, ReportInput, Scale, Series, Shape, StatedAt, tick_label,
 };
-use crate::results::point_summary::PredictionRow;
 use crate::results::summary::{Round, StudySummary};
+use crate::results::summary_rows::PredictionRow;
 use crate::statistics::reliability::REACH;
 use common::scene::{Fails, LimitState};
 

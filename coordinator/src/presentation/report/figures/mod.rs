@@ -59,14 +59,9 @@ impl LifeAxis {
         }
     }
 
-    /// Number on the axis of a life [cycles].
-    pub fn place(&self, cycles: u32) -> f64 {
-        self.place_time(cycles.into())
-    }
-
-    /// Number on the axis of a time between two cycles [cycles].
-    pub fn place_time(&self, cycles: f64) -> f64 {
-        cycles / self.divisor
+    /// Number on the axis of a life, or of a time between two cycles [cycles].
+    pub fn place(&self, cycles: impl Into<f64>) -> f64 {
+        cycles.into() / self.divisor
     }
 }
 
@@ -90,8 +85,6 @@ pub fn ink_of(summary: &StudySummary, name: &str) -> Ink {
 
 /// Smallest and largest finite value; (0, 1) if there is none.
 fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let both = values.filter(|v| v.is_finite()).fold(None, |range: Option<(f64, f64)>, v| {
-        Some(range.map_or((v, v), |(low, high)| (low.min(v), high.max(v))))
-    });
-    both.unwrap_or((0.0, 1.0))
+    let ends = values.filter(|v| v.is_finite()).map(|v| (v, v));
+    ends.reduce(|(low, high), (v, _)| (low.min(v), high.max(v))).unwrap_or((0.0, 1.0))
 }

@@ -72,7 +72,7 @@ fn over_life(
         for pair in ends.windows(2) {
             let value = |curve: &SurvivalCurve| rate(curve, pair[0], pair[1]);
             let Some(best) = value(&curve) else { continue };
-            let [left, right] = [pair[0], pair[1]].map(|time| axis.place_time(time));
+            let [left, right] = [pair[0], pair[1]].map(|time| axis.place(time));
             line.extend([(left, best), (right, best)]);
             most = most.max(best);
             if let Some(interval) = band.as_ref().and_then(|band| band.interval(value)) {

@@ -11,7 +11,8 @@ use crate::results::summary::{ReliabilityRow, StudySummary};
 /// earlier version has straight lines between the checkpoints.
 pub fn curve(summary: &StudySummary, name: &str, axis: &LifeAxis) -> (Points, Band) {
     let Some(curve) = summary.curves.iter().find(|curve| curve.limit_state == name) else {
-        return checkpoints(&summary.reliability, name, axis).into_iter().unzip();
+        let all = checkpoints(&summary.reliability, name, axis).into_iter();
+        return all.map(|[x, r, lower, upper]| ((x, r), (x, lower, upper))).unzip();
     };
     let [lower, upper] = curve.limits().map(|limit| along(summary, curve, axis, limit));
     let band = lower.into_iter().zip(upper).map(|((x, lower), (_, upper))| (x, lower, upper)).collect();
@@ -30,18 +31,14 @@ fn along(summary: &StudySummary, curve: &LifeCurveRow, axis: &LifeAxis, values: 
         let (t0, t1) = (curve.cycles[next - 1], curve.cycles[next]);
         values[next - 1] + (time - t0) / (t1 - t0) * (values[next] - values[next - 1])
     };
-    times.into_iter().map(|time| (axis.place_time(time), value(time))).collect()
+    times.into_iter().map(|time| (axis.place(time), value(time))).collect()
 }
 
-/// R of a curve at a checkpoint, (x, R), and its 95 % interval there, (x, lower, upper).
-type DrawnCheckpoint = ((f64, f64), (f64, f64, f64));
-
-/// R of a curve at the checkpoints.
-fn checkpoints(rows: &[ReliabilityRow], name: &str, axis: &LifeAxis) -> Vec<DrawnCheckpoint> {
+/// R of a curve at the checkpoints with its 95 % interval: [x, R, lower, upper].
+fn checkpoints(rows: &[ReliabilityRow], name: &str, axis: &LifeAxis) -> Vec<[f64; 4]> {
     let point = |row: &ReliabilityRow| {
-        let (x, r) = (axis.place(row.cycles), *row.reliability.get(name)?);
-        let range = row.interval_of(name)?;
-        Some(((x, r), (x, range.lower, range.upper)))
+        let (r, range) = (*row.reliability.get(name)?, row.interval_of(name)?);
+        Some([axis.place(row.cycles), r, range.lower, range.upper])
     };
     rows.iter().filter_map(point).collect()
 }
@@ -72,10 +69,8 @@ pub fn reliability(summary: &StudySummary) -> Option<Figure> {
     series.extend(lines);
     // Straight lines between checkpoints show these by their corners.
     for name in summary.curve_names().filter(|_| !summary.curves.is_empty()) {
-        let measured = checkpoints(rows, name, &axis).into_iter();
-        let measured = measured.map(|((x, r), (_, lower, upper))| [x, r, lower, upper]).collect();
         let (label, ink) = (format!("{name}, checkpoints"), ink_of(summary, name));
-        series.push(Series::unlisted(label, ink, Shape::Measured(measured)));
+        series.push(Series::unlisted(label, ink, Shape::Measured(checkpoints(rows, name, &axis))));
     }
     let x = Axis::linear(axis.label, span(summary, &axis));
     let caption = format!(

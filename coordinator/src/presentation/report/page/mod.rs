@@ -1,12 +1,53 @@
 //! A page as a value: a header, and below it text and chapters with their figures. It is written once it is complete: then figures and
-//! tables have numbers, and references to them are links. Until then content has marks.
+//! tables have numbers, and references to them are links. Until then content has marks. A figure is a drawing with title and caption, and its
+//! numbers as CSV.
 
-use super::figure::Figure;
 use super::palette;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use std::collections::BTreeMap;
 
 const STYLE: &str = include_str!("style.css");
+
+/// A drawing in SVG, in the light colours.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drawing {
+    /// Left end, upper end, width and height [drawing units].
+    pub view: String,
+    /// Size of letters whose elements state none [drawing units].
+    pub letters: Option<f64>,
+    /// Axes of a chart, JSON for the script that shows values.
+    pub axes: Option<String>,
+    /// Elements of the drawing as SVG.
+    pub content: String,
+}
+
+impl Drawing {
+    /// The drawing as a document that begins with these elements.
+    pub fn document(&self, beginning: &Markup) -> String {
+        let document = html! {
+            svg xmlns="http://www.w3.org/2000/svg" viewBox=(self.view) font-family=[self.letters.map(|_| "sans-serif")]
+                font-size=[self.letters] {
+                (beginning) (PreEscaped(&self.content))
+            }
+        };
+        document.into_string() + "\n"
+    }
+}
+
+/// A figure of a report.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Figure {
+    /// Name, letters, digits and hyphens.
+    pub name: String,
+    /// Title, plain text.
+    pub title: String,
+    /// Caption, plain text.
+    pub caption: String,
+    /// What is drawn.
+    pub drawing: Drawing,
+    /// Numbers shown, as CSV with a header.
+    pub csv: String,
+}
 
 /// A page in the style of the report.
 #[derive(Debug, Clone)]
@@ -20,8 +61,10 @@ pub struct Page {
     appendix: Option<Markup>,
     /// Titles of the chapters, and whether they are in the appendix.
     chapters: Vec<(&'static str, bool)>,
-    figures: Vec<Figure>,
-    files: FigureFiles,
+    /// The figures in their order.
+    pub figures: Vec<Figure>,
+    /// True if `figures/NAME.svg` and `figures/NAME.csv` of every figure stand next to the page.
+    pub has_files: bool,
 }
 
 /// What the page of a running study has besides.
@@ -37,8 +80,8 @@ pub struct LiveStatus {
 }
 
 impl Page {
-    /// A page with this header, whose figures have such files.
-    pub fn new(title: &str, header: Markup, files: FigureFiles) -> Self {
+    /// A page with this header, which stands alone.
+    pub fn new(title: &str, header: Markup) -> Self {
         Self {
             title: title.to_owned(),
             header,
@@ -47,7 +90,7 @@ impl Page {
             appendix: None,
             chapters: vec![],
             figures: vec![],
-            files,
+            has_files: false,
         }
     }
 
@@ -118,11 +161,6 @@ impl Page {
         }
     }
 
-    /// The figures in their order.
-    pub fn figures(&self) -> &[Figure] {
-        &self.figures
-    }
-
     /// The text of the page; of a running study with its status.
     pub fn html(&self, live: Option<&LiveStatus>) -> String {
         let body = html! {
@@ -135,7 +173,7 @@ impl Page {
             (self.body)
             @if let Some(appendix) = &self.appendix { details.appendix { summary { "Appendix" } (appendix) } }
         };
-        let body = PreEscaped(resolve(&body.0, self.files));
+        let body = PreEscaped(resolve(&body.0, self.has_files));
         let page = html! {
             (DOCTYPE) "\n"
             html lang="en" data-revision=[live.map(|live| live.revision)] {
@@ -152,11 +190,6 @@ impl Page {
         };
         page.into_string()
     }
-}
-
-/// A page in the style of the report around a body.
-pub fn wrapped(title: &str, body: &Markup) -> String {
-    Page::new(title, body.clone(), FigureFiles::Absent).html(None)
 }
 
 /// The style of the running head and the page numbers of a printed page.
@@ -221,15 +254,6 @@ pub fn details(title: &str, content: Markup) -> Markup {
 /// Begin and end of a mark: that of a comment, which no escaped text contains.
 const MARK: [&str; 2] = ["<!--", "-->"];
 
-/// Files of the figures that a page refers to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FigureFiles {
-    /// `figures/NAME.svg` and `figures/NAME.csv` stand next to the page.
-    NextToPage,
-    /// The page stands alone.
-    Absent,
-}
-
 pub fn mark(kind: &str, name: &str) -> Markup {
     let [begin, end] = MARK;
     PreEscaped(format!("{begin}{kind} {name}{end}"))
@@ -247,7 +271,7 @@ fn taken(piece: &str) -> ((&str, &str), &str) {
 }
 
 /// The body of a page with numbers and links instead of marks. A reference to what the page does not have is its name alone.
-pub fn resolve(body: &str, with: FigureFiles) -> String {
+pub fn resolve(body: &str, has_files: bool) -> String {
     let mut pieces = body.split(MARK[0]);
     let text = pieces.next().unwrap_or_default();
     let marked: Vec<((&str, &str), &str)> = pieces.map(taken).collect();
@@ -267,7 +291,7 @@ pub fn resolve(body: &str, with: FigureFiles) -> String {
             "Table" => html! { "Table " (tables[name]) },
             "see-figure" => link(figures.get(name), "Figure", "", name),
             "see-table" => link(tables.get(name), "Table", "table-", name),
-            "files" if with == FigureFiles::NextToPage => html! {
+            "files" if has_files => html! {
                 span.files {
                     " " a href=(format!("figures/{name}.svg")) { "SVG" } " " a href=(format!("figures/{name}.csv")) { "CSV" }
                 }
@@ -286,7 +310,7 @@ mod tests {
 
     #[test]
     fn chapters_have_numbers_that_the_contents_lead_to() {
-        let mut page = Page::new("T", html! { header { "H" } }, FigureFiles::Absent);
+        let mut page = Page::new("T", html! { header { "H" } });
         page.add(html! { p { "before" } });
         page.add_contents();
         ["One", "Two"].into_iter().for_each(|title| page.begin(title));
@@ -309,7 +333,7 @@ mod tests {
             p { "See " (mark("see-figure", "b")) ", " (refer_table("t")) " and " (mark("see-figure", "lost")) "." }
             (mark("Figure", "a")) (mark("files", "a")) (mark("Figure", "b")) (mark("Table", "t"))
         };
-        let page = resolve(&body.0, FigureFiles::NextToPage);
+        let page = resolve(&body.0, true);
         for said in [
             "See <a href=\"#b\">Figure 2</a>, <a href=\"#table-t\">Table 1</a> and lost.",
             "Figure 1<span class=\"files\"> <a href=\"figures/a.svg\">SVG</a>",
@@ -317,11 +341,11 @@ mod tests {
             assert!(page.contains(said), "{said} in {page}");
         }
         assert!(!page.contains(MARK[0]) && !page.contains(MARK[1]));
-        assert!(!resolve(&body.0, FigureFiles::Absent).contains("figures/"));
+        assert!(!resolve(&body.0, false).contains("figures/"));
     }
 
     #[test]
     fn a_page_without_marks_keeps_its_text() {
-        assert_eq!(resolve("<p>a \u{b1} b</p>", FigureFiles::Absent), "<p>a \u{b1} b</p>");
+        assert_eq!(resolve("<p>a \u{b1} b</p>", false), "<p>a \u{b1} b</p>");
     }
 }

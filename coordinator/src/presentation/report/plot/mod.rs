@@ -2,12 +2,13 @@
 //! above, drawn by plotters as SVG; and its numbers as CSV.
 
 mod axis;
-mod series;
 mod shapes;
 
 pub use axis::{Axis, Scale, tick_label};
-pub use series::{Band, Points, Series, Shape};
-pub use shapes::{Area, DrawError, LETTERS, Legend, draw, legend, letters, px, stroke};
+pub use shapes::{
+    Area, Band, DrawError, LETTERS, LegendEntry, Points, Series, Shape, draw, draw_legend, legend,
+    legend_height, letters, px, stroke,
+};
 
 use super::{Drawing, Figure, Ink};
 use axis::{TickedAxis, ticks};
@@ -42,7 +43,7 @@ impl<'a> Plot<'a> {
     /// The chart with its numbers as CSV.
     pub fn figure(&self, title: &str, caption: &str) -> Figure {
         let [name, title, caption] = [self.figure, title, caption].map(str::to_owned);
-        let csv = series::csv(self.series, &self.x, &self.y);
+        let csv = shapes::csv(self.series, &self.x, &self.y);
         Figure { name, title, caption, drawing: self.drawing(), csv }
     }
 
@@ -52,7 +53,7 @@ impl<'a> Plot<'a> {
         let legend = legend(self.series);
         // Room for the label of the vertical axis.
         let plot = (LETTER_WIDTH * self.y.label.chars().count() as f64).max(230.0);
-        let height = plot + 20.0 * legend.rows as f64 + AROUND;
+        let height = plot + legend_height(&legend) + AROUND;
         let mut axes = None;
         let drawing = draw(height, |root| {
             axes = Some(self.axes(&self.draw_on(root, &legend)?));
@@ -82,11 +83,11 @@ impl<'a> Plot<'a> {
         (1.35 * LETTERS + LETTER_WIDTH * longest as f64 + 12.0).max(66.0)
     }
 
-    fn draw_on(&self, root: &Area<'_>, legend: &Legend<'_>) -> Result<DrawnArea, DrawError> {
+    fn draw_on(&self, root: &Area<'_>, legend: &[LegendEntry<'_>]) -> Result<DrawnArea, DrawError> {
         let frame = Frame::new(self.x.range, self.y.range);
         let [across, upward] = [ticks(self.x.scale, frame.x), ticks(self.y.scale, frame.y)];
         let mut chart = ChartBuilder::on(root)
-            .margin_top(px(10.0 + 20.0 * legend.rows as f64))
+            .margin_top(px(10.0 + legend_height(legend)))
             .margin_right(px(34.0))
             .margin_bottom(px(4.0))
             .margin_left(px(4.0))
@@ -98,8 +99,8 @@ impl<'a> Plot<'a> {
             .max_light_lines(0)
             .bold_line_style(stroke(Ink::Grid, 1.0))
             .axis_style(stroke(Ink::Muted, 1.0))
-            .label_style(letters(LETTERS, Ink::Muted))
-            .axis_desc_style(letters(LETTERS, Ink::Ink))
+            .label_style(letters(Ink::Muted))
+            .axis_desc_style(letters(Ink::Ink))
             .set_all_tick_mark_size(px(4.0))
             .x_label_formatter(&|value| (self.x.text)(*value))
             .y_label_formatter(&|value| (self.y.text)(*value))
@@ -109,7 +110,7 @@ impl<'a> Plot<'a> {
         for series in self.series {
             SeriesPainter { chart: &mut chart, frame: &frame, series }.draw()?;
         }
-        legend.draw_on(root)?;
+        draw_legend(legend, root)?;
         Ok(chart.plotting_area().get_pixel_range())
     }
 }

@@ -142,11 +142,7 @@ const PARTS: [(&str, &str); 4] = [
 ];
 
 /// A material: its name where that is known, its values, and the joints of each of [`PARTS`] that are made of it.
-struct MaterialUse {
-    name: String,
-    material: Material,
-    joints: [Vec<String>; PARTS.len()],
-}
+type MaterialUse = (String, Material, [Vec<String>; PARTS.len()]);
 
 /// The materials of a joint, each with the number of its part in [`PARTS`].
 fn of_joint(joint: &Joint) -> Vec<(usize, Material)> {
@@ -164,28 +160,28 @@ pub(super) fn materials(scene: &Scene, written: &WrittenScene) -> Markup {
         for (part, material) in of_joint(joint) {
             let key = format!("joints.{}.{}_material", joint.name, PARTS[part].0);
             let name = written.name(&key).unwrap_or_default().to_owned();
-            let place = used.iter().position(|one| one.name == name && one.material == material);
+            let place = used.iter().position(|(known, values, _)| *known == name && *values == material);
             let place = place.unwrap_or_else(|| {
-                used.push(MaterialUse { name, material, joints: Default::default() });
+                used.push((name, material, Default::default()));
                 used.len() - 1
             });
-            used[place].joints[part].push(joint.name.clone());
+            used[place].2[part].push(joint.name.clone());
         }
     }
     if used.is_empty() {
         return html! {};
     }
     let shown: Vec<usize> =
-        (0..PARTS.len()).filter(|part| used.iter().any(|one| !one.joints[*part].is_empty())).collect();
-    let rows = used.iter().map(|one| {
-        let texts = ExactTexts::below(written, format!("materials.{}", one.name));
+        (0..PARTS.len()).filter(|part| used.iter().any(|(.., joints)| !joints[*part].is_empty())).collect();
+    let rows = used.iter().map(|(name, material, joints)| {
+        let texts = ExactTexts::below(written, format!("materials.{name}"));
         let or_dash = |text: String| if text.is_empty() { UNKNOWN.to_owned() } else { text };
         let mut row = vec![
-            or_dash(one.name.clone()),
-            texts.value("elastic_modulus", one.material.elastic_modulus, "GPa"),
-            texts.number("poisson_ratio", one.material.poisson_ratio),
+            or_dash(name.clone()),
+            texts.value("elastic_modulus", material.elastic_modulus, "GPa"),
+            texts.number("poisson_ratio", material.poisson_ratio),
         ];
-        row.extend(shown.iter().map(|part| or_dash(one.joints[*part].join(", "))));
+        row.extend(shown.iter().map(|part| or_dash(joints[*part].join(", "))));
         row
     });
     let mut head = vec!["material", "elastic modulus", "Poisson's ratio"];

@@ -8,7 +8,7 @@ use common::scene::expression::{ExpressionError, evaluate, read_unit};
 const DIGITS: usize = 17;
 
 /// What the language reads [SI]; `None` if it is no quantity.
-fn read(text: &str) -> Option<f64> {
+pub fn read(text: &str) -> Option<f64> {
     let unknown = |name: &str| Err(ExpressionError::UnknownName { name: name.to_owned(), nearest: None });
     evaluate(text, &mut { unknown }).ok().map(|quantity| quantity.value)
 }

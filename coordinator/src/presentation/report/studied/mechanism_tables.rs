@@ -26,25 +26,22 @@ pub(super) fn stated<const N: usize>(
 pub(super) fn bodies(scene: &Scene, written: &WrittenScene) -> Markup {
     let rows = scene.bodies.iter().map(|body| {
         let texts = ExactTexts::below(written, format!("bodies.{}", body.name));
-        let own = |inertia: Option<(f64, f64, [f64; 2])>| match inertia {
-            None => [UNKNOWN; 3].map(str::to_owned),
-            Some((mass, inertia, centre)) => [
-                texts.value("mass", mass, "g"),
-                texts.value("inertia", inertia, "kg m^2"),
-                texts.pair("centre_of_mass", centre, "mm"),
-            ],
-        };
-        let (motion, [mass, inertia, centre]) = match &body.motion {
-            Motion::Fixed => ("fixed".to_owned(), own(None)),
+        let (motion, own) = match &body.motion {
+            Motion::Fixed => ("fixed".to_owned(), None),
             Motion::Driven { position, drive, inertia } => {
                 let about = texts.pair("position", *position, "mm");
-                let inertia = inertia.as_ref().map(|of| (of.mass, of.inertia, of.centre_of_mass));
-                (format!("driven about {about}, {}", how(drive, &texts)), own(inertia))
+                let own = inertia.as_ref().map(|of| (of.mass, of.inertia, of.centre_of_mass));
+                (format!("driven about {about}, {}", how(drive, &texts)), own)
             }
             Motion::Free { mass, inertia, centre_of_mass, .. } => {
-                ("free".to_owned(), own(Some((*mass, *inertia, *centre_of_mass))))
+                ("free".to_owned(), Some((*mass, *inertia, *centre_of_mass)))
             }
         };
+        let own = own.map(|(mass, inertia, centre)| {
+            let centre = texts.pair("centre_of_mass", centre, "mm");
+            [texts.value("mass", mass, "g"), texts.value("inertia", inertia, "kg m^2"), centre]
+        });
+        let [mass, inertia, centre] = own.unwrap_or([UNKNOWN; 3].map(str::to_owned));
         let points = body.points.iter().map(|Point { name, position }| {
             format!("{name} {}", texts.pair(&format!("points.{name}"), *position, "mm"))
         });

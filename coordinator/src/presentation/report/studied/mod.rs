@@ -19,7 +19,7 @@ use super::page::{mark, refer_table};
 use super::tables;
 use super::{Figure, Page, ReportInput, VaryingLoads, WrittenScene, captioned};
 use crate::results::scene_summary::limit_rows;
-use common::scene::{ContactLaw, Joint, JointKind, Scene, SimulatorKind, WearingSurfaces};
+use common::scene::{ContactLaw, JointKind, Scene, SimulatorKind, WearingSurfaces};
 use maud::{Markup, PreEscaped, Render, html};
 
 /// Random variables beyond this number are listed in the appendix.
@@ -121,65 +121,53 @@ pub fn appendix(page: &mut Page, input: &ReportInput) {
 /// What the model does not contain.
 fn assumptions(input: &ReportInput) -> Vec<String> {
     let scene = &input.scene;
-    let mut text = Vec::new();
-    if scene.simulator.is_none() {
-        text.push("The mechanism is planar and its bodies are rigid.".to_owned());
-        let clearances: Vec<_> = scene
-            .joints
-            .iter()
-            .filter_map(|joint| match &joint.kind {
-                JointKind::Clearance(clearance) => Some(clearance),
-                _ => None,
-            })
-            .collect();
-        let guide_wears =
-            |joint: &Joint| matches!(&joint.kind, JointKind::Guide(guide) if guide.wear.is_some());
-        let has_worn_guides = scene.joints.iter().any(guide_wears);
-        if !clearances.is_empty() || has_worn_guides {
-            let journals = clearances.iter().any(|clearance| clearance.wears != WearingSurfaces::Bushing);
-            let several = "The surfaces with a wear coefficient wear";
-            let surfaces = if journals || has_worn_guides { several } else { "Only bushings wear" };
-            text.push(format!(
-                "{surfaces}, by Archard's law with a constant coefficient, evenly over their width. Temperature, debris and running-in \
-                 are not modelled."
-            ));
-        }
-        let is_used = |law: &ContactLaw| clearances.iter().any(|clearance| clearance.contact_law == *law);
-        text.extend(
-            ContactLaw::ALL
-                .into_iter()
-                .filter(is_used)
-                .map(|law| format!("Contact by the law {}: {}.", law.word(), law.explanation())),
-        );
-        if scene.joints.iter().any(|joint| !joint.kind.has_clearance()) {
-            text.push("Ideal joints have neither clearance nor wear.".to_owned());
-        }
-    }
-    text.push(
-        if scene.correlations.is_empty() {
-            "Random variables are independent and constant over life."
-        } else {
-            "Random variables depend on each other by a Gaussian copula and are constant over life."
-        }
-        .to_owned(),
-    );
-    text.push(
+    let mut text = if scene.simulator.is_none() { of_mechanism(scene) } else { vec![] };
+    let variables = if scene.correlations.is_empty() {
+        "Random variables are independent and constant over life."
+    } else {
+        "Random variables depend on each other by a Gaussian copula and are constant over life."
+    };
+    let always = [
+        variables,
         "Failure is final: a limit state that was reached once counts as failed from then on. Checkpoints are the only lives at \
-         which responses are known; between them crossing times are interpolated."
-            .to_owned(),
-    );
-    text.push(
+         which responses are known; between them crossing times are interpolated.",
         "The intervals contain sampling, surrogates, interpolation and, where it is known, the numerical error of the simulations. \
          The error of the model itself, and of its coefficients, is in none of them: results calibrated to measurements describe \
-         these, and are no prediction for other conditions."
-            .to_owned(),
-    );
-    if !input.summary.is_direct() {
-        text.push(
-            "A region of failures that no simulation came near is in no interval: surrogates state the errors of what they predict, \
-             and a region of which no result gives a sign is predicted to be safe."
-                .to_owned(),
-        );
+         these, and are no prediction for other conditions.",
+    ];
+    let of_surrogates = "A region of failures that no simulation came near is in no interval: surrogates state the errors of what they predict, \
+                         and a region of which no result gives a sign is predicted to be safe.";
+    let of_surrogates = (!input.summary.is_direct()).then_some(of_surrogates);
+    text.extend(always.into_iter().chain(of_surrogates).map(str::to_owned));
+    text
+}
+
+/// What the model of a mechanism does not contain.
+fn of_mechanism(scene: &Scene) -> Vec<String> {
+    let mut text = vec!["The mechanism is planar and its bodies are rigid.".to_owned()];
+    let mut clearances = Vec::new();
+    let mut has_worn_guides = false;
+    for joint in &scene.joints {
+        match &joint.kind {
+            JointKind::Clearance(clearance) => clearances.push(clearance),
+            JointKind::Guide(guide) => has_worn_guides |= guide.wear.is_some(),
+            _ => {}
+        }
+    }
+    if !clearances.is_empty() || has_worn_guides {
+        let journals = clearances.iter().any(|clearance| clearance.wears != WearingSurfaces::Bushing);
+        let several = "The surfaces with a wear coefficient wear";
+        let surfaces = if journals || has_worn_guides { several } else { "Only bushings wear" };
+        text.push(format!(
+            "{surfaces}, by Archard's law with a constant coefficient, evenly over their width. Temperature, debris and running-in \
+             are not modelled."
+        ));
+    }
+    let is_used = |law: &ContactLaw| clearances.iter().any(|clearance| clearance.contact_law == *law);
+    let laws = ContactLaw::ALL.into_iter().filter(is_used);
+    text.extend(laws.map(|law| format!("Contact by the law {}: {}.", law.word(), law.explanation())));
+    if scene.joints.iter().any(|joint| !joint.kind.has_clearance()) {
+        text.push("Ideal joints have neither clearance nor wear.".to_owned());
     }
     text
 }
@@ -200,7 +188,6 @@ fn formulas(written: &WrittenScene) -> Markup {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::presentation::report::page::FigureFiles;
     use crate::tests::test_study;
     use common::scene::SceneSource;
 
@@ -211,7 +198,7 @@ mod tests {
         input.scene = scene.clone();
         input.written = WrittenScene::new(source);
         input.summary.identify(&scene, source, "");
-        let mut page = Page::new("", chapter(&input, &html! {}), FigureFiles::Absent);
+        let mut page = Page::new("", chapter(&input, &html! {}));
         appendix(&mut page, &input);
         (scene, page.html(None).replace('\u{a0}', " "))
     }

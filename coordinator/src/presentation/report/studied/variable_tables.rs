@@ -1,6 +1,6 @@
 //! Tables of what is uncertain and of what counts as failure: random variables, correlations, outputs, limit states, life.
 
-use super::exact::{ExactTexts, exact, exact_number};
+use super::exact::{ExactTexts, exact, exact_number, read};
 use super::mechanism_tables::{stated, subject};
 use crate::presentation::report::format::{UNKNOWN, count, exactly_with_unit, joined, seven_digits};
 use crate::presentation::report::{WrittenScene, captioned, table};
@@ -8,7 +8,7 @@ use crate::results::scene_summary::{LimitRow, VariableRow};
 use crate::results::summary::StudySummary;
 use crate::study::Settings;
 use common::random::{Correlation, RandomVariable};
-use common::scene::expression::{ExpressionError, evaluate, read_unit};
+use common::scene::expression::read_unit;
 use common::scene::{Fails, Key, Output, OutputUnit, Scene, Value};
 use maud::{Markup, html};
 
@@ -87,10 +87,8 @@ fn spread(variable: &RandomVariable, row: &VariableRow) -> String {
     let percent = 100.0 * row.std / row.mean.abs();
     let shares = (0..8).filter_map(|decimals| format!("{percent:.decimals$}").parse::<f64>().ok());
     let same = |share: &f64| {
-        let read = evaluate(&format!("{share} %"), &mut |name| {
-            Err(ExpressionError::UnknownName { name: name.to_owned(), nearest: None })
-        });
-        read.is_ok_and(|share| (share.value * row.mean.abs()).to_bits() == row.std.to_bits())
+        let read = read(&format!("{share} %"));
+        read.is_some_and(|share| (share * row.mean.abs()).to_bits() == row.std.to_bits())
     };
     shares.into_iter().find(same).map_or(text, |share| format!("{share}\u{a0}%"))
 }
