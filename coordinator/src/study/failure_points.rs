@@ -52,9 +52,9 @@ pub(super) fn failure_points(
 
 /// The correlated standard normals of a point `(d,)`, and its distance from the origin of the independent ones [1].
 fn normals(population: &Population, point: usize) -> (Vec<f64>, f64) {
-    let inputs = population.inputs();
+    let inputs = &population.inputs;
     let normals = inputs.normals(&population.physical(point));
-    let distance = inputs.copula().decorrelate(&normals).iter().map(|v| v * v).sum::<f64>().sqrt();
+    let distance = inputs.copula.decorrelate(&normals).iter().map(|v| v * v).sum::<f64>().sqrt();
     (normals, distance)
 }
 

@@ -102,7 +102,7 @@ impl InterimResult {
 impl Campaign {
     /// The reliability after the last round, if no outcome was recorded since.
     pub(super) fn interim(&self) -> Option<InterimResult> {
-        let assessment = self.progress.assessment.as_ref()?;
+        let assessment = self.assessment.as_ref()?;
         Some(InterimResult {
             failed: assessment.curves.clone(),
             points: self.classified.population.len(),

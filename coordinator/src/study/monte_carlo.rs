@@ -93,7 +93,7 @@ impl<'a> DirectSimulation<'a> {
     /// Counts the failure shares anew, after this number of evaluations.
     fn add_round(&mut self, evaluations: usize) {
         let (modes, points) = (self.problem.modes.len(), self.points.len());
-        let now = curves(&self.first_failures[..modes], self.problem.checkpoints.len());
+        let now = curves(&self.first_failures, self.problem.checkpoints.len());
         let system = &now[modes];
         let governing = governing_checkpoint(system);
         let failed = system[governing];

@@ -63,7 +63,7 @@ pub(super) fn predictions(scene: &Scene, learned: &CampaignResult) -> Vec<Predic
 /// the output from the same simulations.
 pub(super) fn sobol(scene: &Scene, campaign: &CampaignResult) -> Vec<SobolRow> {
     // For dependent variables the indices are no shares of the variance.
-    if !campaign.classified.unconditional().inputs().copula().is_independent() {
+    if !campaign.classified.unconditional().inputs.copula.is_independent() {
         return Vec::new();
     }
     (0..scene.limit_states.len()).flat_map(|s| sobol_of(scene, campaign, s)).collect()

@@ -1,7 +1,7 @@
 //! Surrogates of the responses that the targets need, and the values of the targets predicted with them at any parameters.
 
 use super::space::Space;
-use super::targets::{OutputStatistic, Target, TargetQuantity};
+use super::target_file::{OutputStatistic, Target, TargetQuantity};
 use crate::statistics::design::Population;
 use crate::statistics::learning::running_maximum;
 use crate::statistics::surrogate::{
@@ -39,13 +39,6 @@ enum Column {
     Angle(f64),
 }
 
-/// A simulated point and its evaluation.
-pub(super) struct CalibrationPoint {
-    /// Coordinates for the surrogates `(d + keyed,)` [1].
-    pub features: Vec<f64>,
-    pub evaluation: Evaluation,
-}
-
 /// Surrogates of the responses of all targets.
 pub(super) struct ResponseSurrogates<'a> {
     pub space: &'a Space,
@@ -68,7 +61,7 @@ impl<'a> ResponseSurrogates<'a> {
     pub fn fit(
         space: &'a Space,
         targets: &'a [Target],
-        simulated: &[CalibrationPoint],
+        simulated: &[(Vec<f64>, Evaluation)],
         seed: u64,
     ) -> Result<Self, SurrogateError> {
         let mut columns: BTreeMap<Group, Vec<Column>> = BTreeMap::new();
@@ -79,10 +72,10 @@ impl<'a> ResponseSurrogates<'a> {
                 all.push(column);
             }
         }
-        let d = simulated.first().map_or(0, |point| point.features.len());
-        let points = Mat::from_fn(d, simulated.len(), |k, i| simulated[i].features[k]);
+        let d = simulated.first().map_or(0, |(features, _)| features.len());
+        let points = Mat::from_fn(d, simulated.len(), |k, i| simulated[i].0[k]);
         let fitted = |(group, columns): (Group, Vec<Column>)| {
-            let of_point = |point: &CalibrationPoint| values(group, &columns, &point.evaluation, limits);
+            let of_point = |(_, found): &(Vec<f64>, Evaluation)| values(group, &columns, found, limits);
             let rows: Vec<Vec<f64>> = simulated.iter().map(of_point).collect();
             let table = Mat::from_fn(rows.len(), columns.len(), |i, o| rows[i][o]);
             let (points, values) = (points.as_ref(), table.as_ref());
@@ -138,10 +131,9 @@ impl<'a> ResponseSurrogates<'a> {
                 };
             };
             // The predicted probability of survival: smooth in the parameters, unbiased where the surrogate is uncertain.
-            let noise = model.correlation().noise();
+            let noise = model.correlation.noise();
             for (j, survives) in survival.iter_mut().enumerate() {
-                let std =
-                    (model.sigma2()[place] * (variance_factor[j] + noise)).sqrt().max(f64::MIN_POSITIVE);
+                let std = (model.sigma2[place] * (variance_factor[j] + noise)).sqrt().max(f64::MIN_POSITIVE);
                 *survives *= standard_normal_cdf((limits[s].response_threshold() - means[(place, j)]) / std);
             }
         }

@@ -67,7 +67,7 @@ pub fn answers(
         found.push(DesignAnswer {
             values: values.clone(),
             summary: result_of(&scene, study.settings, &learned, started).summary,
-            surrogate_error: learned.assessment.errors.largest(),
+            surrogate_error: learned.assessment.figures.error,
             first_failures: learned.assessment.first_failures(),
         });
     }
@@ -127,7 +127,7 @@ pub fn refine(
             let mut first = None;
             for candidate in candidates.iter_mut().filter(|candidate| candidate.error > target) {
                 let learned = study.assess(&candidate.scene, &outcomes, &mut first)?;
-                candidate.error = learned.assessment.errors.largest();
+                candidate.error = learned.assessment.figures.error;
             }
             if pass == 1 || candidates.iter().any(|candidate| candidate.error > target) {
                 break;

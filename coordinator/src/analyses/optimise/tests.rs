@@ -119,7 +119,8 @@ fn the_optimum_of_youn_and_choi_is_found_and_confirmed() {
         quantities: (0..2).map(|k| quantity(k, QuantityKind::Mean, (0.0, 10.0), linear())).collect(),
         targets: (0..3).map(|g| target(Some(g), standard_normal_cdf(2.0))).collect(),
         fixed_bounds: vec![],
-        designs: None,
+        augmented: None,
+        followers: vec![],
     };
     let study = study(&variables, 3, 10, &youn_choi);
     let found = run(&study, &problem, 70, &youn_choi);
@@ -158,7 +159,8 @@ fn stack_problem(reliability: f64) -> DesignProblem {
             .collect(),
         targets: vec![target(None, reliability)],
         fixed_bounds: vec![],
-        designs: None,
+        augmented: None,
+        followers: vec![],
     }
 }
 
@@ -289,7 +291,8 @@ fn youn_choi_problem(beta: f64) -> DesignProblem {
         quantities: (0..2).map(|k| quantity(k, QuantityKind::Mean, (0.5, 9.5), linear())).collect(),
         targets: (0..3).map(|g| target(Some(g), standard_normal_cdf(beta))).collect(),
         fixed_bounds: vec![],
-        designs: None,
+        augmented: None,
+        followers: vec![],
     }
 }
 
@@ -365,7 +368,8 @@ fn issue_wide_bounds_are_crossed_by_visits_that_spread_over_them() {
         quantities: (0..2).map(|k| quantity(k, QuantityKind::Mean, bounds[k], linear())).collect(),
         targets: vec![target(None, standard_normal_cdf(2.5))],
         fixed_bounds: vec![],
-        designs: None,
+        augmented: None,
+        followers: vec![],
     };
     let found = run(&study, &problem, 100, &column);
     let sides: Vec<f64> = found.values.iter().map(|side| side.exp()).collect();

@@ -51,7 +51,7 @@ fn with_laws(
     changed: impl Fn(usize, &Distribution) -> Option<Distribution>,
 ) -> InputModel {
     let law = |(k, law): (usize, &Distribution)| changed(k, law).unwrap_or_else(|| law.clone());
-    InputModel::new(inputs.variables().iter().enumerate().map(law).collect(), inputs.copula().clone())
+    InputModel::new(inputs.variables().iter().enumerate().map(law).collect(), inputs.copula.clone())
 }
 
 /// The inputs of a visit to the design `inputs`: its variables are spread over the region that it will support.
@@ -112,7 +112,8 @@ mod tests {
             quantities: vec![quantity(0), quantity(1)],
             targets: vec![],
             fixed_bounds: vec![],
-            designs: None,
+            augmented: None,
+            followers: vec![],
         };
         let inputs =
             InputModel::from(&[(3.0, 0.4), (3.0, 0.001)].map(|(m, s)| Distribution::normal(m, s).unwrap()));

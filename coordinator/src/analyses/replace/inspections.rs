@@ -94,7 +94,7 @@ pub fn inspect(
 ) -> Result<Vec<InspectionRow>, RefusedQuestion> {
     let times = |schedule: &Schedule| schedule.lives(model, plan.output);
     let schedules: Vec<Vec<f64>> = plan.schedules.iter().map(times).collect::<Result<_, _>>()?;
-    let population = Population::draw(model.inputs(), UNITS, seed);
+    let population = Population::draw(&model.inputs, UNITS, seed);
     let width = model.deviations();
     let deviations: Vec<f64> = (0..UNITS).flat_map(|j| (0..width).map(move |s| deviation(s, j))).collect();
     let responses = model.respond(population.columns(0..UNITS), &deviations, &[plan.output]);

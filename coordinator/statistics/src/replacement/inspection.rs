@@ -112,22 +112,6 @@ impl Renewal {
     }
 }
 
-/// Sums over units of one level and one last inspection.
-#[derive(Debug, Clone, Copy, Default)]
-struct RenewalSums {
-    cost: f64,
-    length: f64,
-    /// Largest probability of failure of a unit [1].
-    worst: f64,
-}
-
-impl RenewalSums {
-    /// Cost rate with the failures of units that are not among these.
-    fn rate(&self, costs: &PolicyCosts) -> f64 {
-        (self.cost + 0.5 * self.worst * (costs.failure - costs.planned)) / self.length
-    }
-}
-
 impl InspectedSamples {
     /// Number of inspections of unit `j` that its life contains.
     fn alive(&self, j: usize) -> usize {
@@ -173,14 +157,14 @@ impl InspectedSamples {
     }
 
     /// Sums over some units for a level and every last inspection `(k,)`.
-    fn sums(&self, units: &[usize], level: f64, costs: &PolicyCosts) -> Vec<RenewalSums> {
-        let mut sums = vec![RenewalSums::default(); self.times.len()];
+    fn sums(&self, units: &[usize], level: f64, costs: &PolicyCosts) -> Vec<Renewal> {
+        let mut sums = vec![Renewal::default(); self.times.len()];
         for j in units {
             self.renewals(*j, level, costs, |last, renewal| {
                 let sum = &mut sums[last];
                 sum.cost += renewal.cost;
                 sum.length += renewal.length;
-                sum.worst = sum.worst.max(renewal.failed);
+                sum.failed = sum.failed.max(renewal.failed);
             });
         }
         sums
@@ -206,7 +190,9 @@ impl InspectedSamples {
 pub fn best_policy(samples: &InspectedSamples, costs: &PolicyCosts) -> Option<InspectionPolicy> {
     let chosen: Vec<usize> = (0..samples.lives.len()).step_by(2).collect();
     let best_of_level = |level: &f64| {
-        let rates = samples.sums(&chosen, *level, costs).into_iter().map(|sums| sums.rate(costs));
+        let excess = costs.failure - costs.planned;
+        let rate = |sums: Renewal| (sums.cost + 0.5 * sums.failed * excess) / sums.length;
+        let rates = samples.sums(&chosen, *level, costs).into_iter().map(rate);
         let (last, rate) = rates.enumerate().min_by(|a, b| a.1.total_cmp(&b.1))?;
         Some((InspectionPolicy { level: *level, last }, rate))
     };

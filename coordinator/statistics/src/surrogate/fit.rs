@@ -275,7 +275,7 @@ mod tests {
         let model =
             crate::surrogate::Kriging::condition(x.as_ref(), y.as_ref(), &fitted.correlation).unwrap();
         // The noise's standard deviation from 200 points: known to about 6 %.
-        let std = (model.sigma2()[0] * model.correlation().nugget).sqrt();
+        let std = (model.sigma2[0] * model.correlation.nugget).sqrt();
         assert!((std / 0.05 - 1.0).abs() < 0.2, "{std}");
     }
 
