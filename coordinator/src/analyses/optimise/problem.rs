@@ -111,7 +111,7 @@ pub struct ReliabilityTarget {
 }
 
 /// What is to be minimised: the sum of the costs, such that every target is met.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct DesignProblem {
     /// Quantities of the design, at least one.
     pub quantities: Vec<DesignQuantity>,

@@ -50,13 +50,7 @@ pub fn read(
             }
         }
         let quantities = quantities.into_iter().flatten().collect();
-        DesignProblem {
-            quantities,
-            targets,
-            fixed_bounds: fixed_bounds(source),
-            augmented: None,
-            followers: vec![],
-        }
+        DesignProblem { quantities, targets, fixed_bounds: fixed_bounds(source), ..DesignProblem::default() }
     })?;
     file.refuse_for(reader.impossible_bounds(&problem))?;
     let Some((space, studied)) = designs else { return Ok(problem) };

@@ -111,9 +111,7 @@ mod tests {
         let problem = DesignProblem {
             quantities: vec![quantity(0), quantity(1)],
             targets: vec![],
-            fixed_bounds: vec![],
-            augmented: None,
-            followers: vec![],
+            ..DesignProblem::default()
         };
         let inputs =
             InputModel::from(&[(3.0, 0.4), (3.0, 0.001)].map(|(m, s)| Distribution::normal(m, s).unwrap()));
