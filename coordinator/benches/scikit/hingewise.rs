@@ -121,7 +121,7 @@ fn value_at(training: TrainingSet<'_>, correlation: &Correlation) -> Result<f64,
         trend: Trend::Constant,
         weights: None,
     };
-    Ok(likelihood.evaluate(correlation).ok_or("no Cholesky factor at these parameters")?.value)
+    Ok(likelihood.evaluate(correlation).ok_or("no Cholesky factor at these parameters")?.0)
 }
 
 /// DIR/scikit.txt holds the nugget and then theta, one a line.

@@ -1,7 +1,6 @@
 //! Figures of designs: lives and reliabilities against the design variables with their intervals.
 
-use super::answer::DesignAnswer;
-use super::best::Best;
+use super::answer::{Best, DesignAnswer};
 use super::space::{DesignSpace, DesignVariable};
 use crate::analyses::paired_results::spread;
 use crate::presentation::report::format::shortest;

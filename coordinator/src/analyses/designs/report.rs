@@ -1,7 +1,6 @@
 //! The answers for all designs as JSON, and with their table, sentences and figures.
 
-use super::answer::{DesignAnswer, Refined};
-use super::best::{Best, Objective};
+use super::answer::{Best, DesignAnswer, Objective, Refined};
 use super::figures::figures;
 use super::space::{DesignSpace, DesignVariable};
 use crate::analyses::paired_results::curve_names;

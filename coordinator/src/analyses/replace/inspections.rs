@@ -120,16 +120,16 @@ pub fn inspect(
         let value = |j: usize, t: &f64| response(model.value_at(plan.output, &responses.histories[0], j, *t));
         let values = (0..UNITS).flat_map(|j| times.iter().map(move |t| value(j, t))).collect();
         let samples = InspectedSamples { lives: lives.clone(), times, values, error: plan.error, two_sided };
-        let policy = best_policy(&samples, &plan.costs)?;
-        let outcome = outcome_of(&samples, &policy, &plan.costs);
-        let (level, lower_level) = level_of(policy.level);
+        let policy @ (level, last) = best_policy(&samples, &plan.costs)?;
+        let outcome = outcome_of(&samples, policy, &plan.costs);
+        let (level, lower_level) = level_of(level);
         let by_level = outcome.by_level > 0.0;
         Some(InspectionRow {
             every: if let Schedule::Every(every) = schedule { Some(*every) } else { None },
             output: scene.outputs[plan.output].name.clone(),
             level: by_level.then_some(level),
             lower_level: lower_level.filter(|_| by_level),
-            age: samples.times[policy.last],
+            age: samples.times[last],
             outcome,
         })
     };

@@ -15,7 +15,7 @@
 //! This project's own choice, from the fits of its built-in scenes.
 
 use super::bounds::{Bounds, NUGGET, THETA};
-use super::descent::{DescentResult, descend};
+use super::likelihood::{DescentResult, descend};
 use super::{Correlation, Form, Kernel, Likelihood, NoiseShape};
 use faer::{ColRef, Mat, MatRef};
 use rayon::prelude::*;

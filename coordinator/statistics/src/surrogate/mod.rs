@@ -12,7 +12,7 @@
 //! | `kernel`, `correlation` | correlation functions and matrices |
 //! | `trend` | generalised least squares of the trend |
 //! | `kriging`, `extended` | conditioning, prediction, also of a response that is the larger of two; further points at the same lengths |
-//! | `likelihood`, `bounds`, `descent`, `fit` | maximum likelihood of the lengths |
+//! | `likelihood`, `bounds`, `fit` | maximum likelihood of the lengths |
 //! | `noise` | noise in proportion to stated errors |
 //! | `leave_one_out`, `cross_validation`, `choice` | quality and choice of the form |
 //! | `explicit` | the mean as plain numbers |
@@ -49,7 +49,6 @@ mod cache_tests;
 mod choice;
 mod correlation;
 mod cross_validation;
-mod descent;
 mod explicit;
 mod extended;
 mod factor;
@@ -73,7 +72,7 @@ pub use form::{Form, FormSettings};
 pub use kernel::Kernel;
 pub use kriging::{Kriging, Prediction};
 pub use leave_one_out::{LeaveOneOut, LeftOut};
-pub use likelihood::{Likelihood, LikelihoodValue};
+pub use likelihood::Likelihood;
 pub use noise::{NoiseShape, StatedErrors};
 pub use posterior::Posterior;
 pub use trend::Trend;
