@@ -30,7 +30,6 @@ mod correction;
 mod dispatching;
 mod error;
 mod exploring;
-mod failure_points;
 mod failures;
 mod finer_levels;
 mod from_results;
@@ -51,7 +50,7 @@ mod round;
 mod settings;
 mod step;
 mod stopped;
-mod surrogate_rows;
+mod summary_rows;
 mod surrogates;
 mod untested;
 
@@ -126,9 +125,9 @@ pub fn run(
     let findings = match settings.method {
         Method::ActiveLearning | Method::AkMcs => {
             let campaign = Campaign::new(problem, Plan::new(settings, scene));
-            let finer = settings.finer_accuracies(scene);
-            let mut campaign = PairedCampaign::new(scene, campaign, finer.len());
-            dispatcher.finer = finer;
+            let finer = settings.finer_levels(scene).into_iter();
+            dispatcher.finer = finer.map(|level| level.accuracy).collect();
+            let mut campaign = PairedCampaign::new(scene, campaign, dispatcher.finer.len());
             dispatcher.run(evaluator, &mut campaign)?;
             dispatcher.observer.notice(&Progress::Ending);
             let finished = campaign.finish();

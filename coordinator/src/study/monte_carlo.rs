@@ -5,7 +5,6 @@
 //! simulations are left out of N, and the standard error of R contains what they may have been
 //! ([`CurvePoint::with_missing`](crate::statistics::reliability::CurvePoint::with_missing)).
 
-use super::failure_points::failure_points;
 use super::failures::{Failed, check_failures};
 use super::interim::InterimResult;
 use super::learner::Learner;
@@ -13,6 +12,7 @@ use super::lives::add_simulated;
 use super::observations::ObservedOutcome;
 use super::result::{Findings, blank, failures};
 use super::round::largest_change;
+use super::summary_rows::failure_points;
 use super::untested::Untested;
 
 use super::{CampaignError, Method, Problem, SampleRequest, SettingError, Settings, Step, StudyError};

@@ -1,11 +1,10 @@
 //! The result of a study, from the findings of active learning or direct simulation.
 
-use super::failure_points::failure_points;
 use super::interim::InterimResult;
 use super::lives::{add_lives, learned_lives};
 use super::plan::ResponseLayout;
 use super::stopped::{stop_in_words, targets_met};
-use super::surrogate_rows::{predictions, simulations_beyond_a_limit, sobol};
+use super::summary_rows::{failure_points, predictions, simulations_beyond_a_limit, sobol};
 use super::{
     CampaignResult, ClassifiedPopulation, ExplicitModel, Failed, Outlier, Settings, StopReason, Surrogate,
 };

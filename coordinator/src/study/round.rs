@@ -263,7 +263,7 @@ fn classify_modes(
     // What remains of the memory for the caches beside the population and its classification.
     let numbers_of_point = population.dimension() + problem.modes.len() * (grid.len() + 2) + OTHERS;
     let others = population.len() * numbers_of_point * size_of::<f64>();
-    let limit = plan.settings.memory_bytes().saturating_sub(others) / problem.modes.len();
+    let limit = plan.settings.memory.saturating_mul(1_000_000).saturating_sub(others) / problem.modes.len();
     let classify = |(index, (surrogate, cache)): (usize, (&Surrogate, &mut PredictionCache))| {
         cache.set_limit(limit);
         let (threshold, inflation) = (surrogate.threshold.value, surrogate.inflation());
