@@ -52,7 +52,6 @@ mod step;
 mod stopped;
 mod summary_rows;
 mod surrogates;
-mod untested;
 
 #[cfg(test)]
 mod campaign_tests;

@@ -6,14 +6,13 @@
 //! ([`CurvePoint::with_missing`](crate::statistics::reliability::CurvePoint::with_missing)).
 
 use super::failures::{Failed, check_failures};
-use super::interim::InterimResult;
+use super::interim::{InterimResult, Untested};
 use super::learner::Learner;
 use super::lives::add_simulated;
 use super::observations::ObservedOutcome;
 use super::result::{Findings, blank, failures};
 use super::round::largest_change;
 use super::summary_rows::failure_points;
-use super::untested::Untested;
 
 use super::{CampaignError, Method, Problem, SampleRequest, SettingError, Settings, Step, StudyError};
 use crate::results::summary::{Convergence, EvaluationCounts, Round, StudySummary};
