@@ -30,7 +30,6 @@ mod correction;
 mod dispatching;
 mod error;
 mod exploring;
-mod failure_points;
 mod failures;
 mod finer_levels;
 mod from_results;
@@ -48,15 +47,11 @@ mod repetitions;
 mod requests;
 mod result;
 mod round;
-mod run_times;
-mod samples;
 mod settings;
 mod step;
 mod stopped;
-mod surrogate_rows;
+mod summary_rows;
 mod surrogates;
-mod untested;
-mod variants;
 
 #[cfg(test)]
 mod campaign_tests;
@@ -85,26 +80,25 @@ pub use error::StudyError;
 pub use failures::{Failed, Feasibility};
 pub use finer_levels::FinerLevels;
 pub use from_results::{
-    FurtherLearning, campaign_from_results, complete_outcomes, learn_from_results, learn_with_surrogates,
-    result_of,
+    FIRST_VARIANT, FurtherLearning, LearnedVariant, StudyOfVariants, campaign_from_results,
+    complete_outcomes, learn_from_results, learn_with_surrogates, result_of, simulate_samples,
 };
 pub use life_model::{ExplicitLimitState, ExplicitModel, LifeModel, LifeResponses};
 pub use lives::LEVELS;
 pub use observations::{Observations, Observed, ObservedOutcome, Source};
 pub use outliers::Outlier;
 pub use plan::{Plan, Problem};
-pub use result::{OutputHistory, StudyResult, blank};
+pub use result::{StudyResult, blank};
 pub use round::Assessment;
-pub use samples::simulate_samples;
 pub use settings::{LARGEST_POPULATION, Method, SettingError, Settings, StudyAccuracy};
 pub use step::{CampaignError, SampleRequest, Step, StopReason};
 pub use surrogates::Surrogate;
-pub use variants::{FIRST_VARIANT, LearnedVariant, StudyOfVariants};
 
 use crate::farm::evaluate::Evaluator;
 use crate::results::journal::Journal;
 use crate::results::progress::{Observer, Progress};
 use common::scene::Scene;
+use correction::add_levels;
 use dispatching::Dispatcher;
 use monte_carlo::DirectSimulation;
 use pairs::PairedCampaign;
@@ -126,24 +120,27 @@ pub fn run(
     settings.check(scene)?;
     let problem = Problem::from_scene(scene);
     let stricter = settings.stricter(scene);
-    let mut dispatcher = Dispatcher::new(scene, stricter, settings.budget(), evaluator, journal, observer);
+    let mut dispatcher = Dispatcher::new(scene, stricter, settings.budget(), journal, observer);
     let findings = match settings.method {
         Method::ActiveLearning | Method::AkMcs => {
             let campaign = Campaign::new(problem, Plan::new(settings, scene));
-            let finer = settings.finer_accuracies(scene);
-            let mut campaign = PairedCampaign::new(scene, campaign, finer.len());
-            dispatcher = dispatcher.with_finer(finer);
-            dispatcher.run(&mut campaign)?;
-            dispatcher.notice(&Progress::Ending);
-            let (learned, pairs) = campaign.finish().expect("a campaign that is done has learned something");
+            let finer = settings.finer_levels(scene).into_iter();
+            dispatcher.finer = finer.map(|level| level.accuracy).collect();
+            let mut campaign = PairedCampaign::new(scene, campaign, dispatcher.finer.len());
+            dispatcher.run(evaluator, &mut campaign)?;
+            dispatcher.observer.notice(&Progress::Ending);
+            let finished = campaign.finish();
+            let (learned, correction, counts) =
+                finished.expect("a campaign that is done has learned something");
             let mut findings = from_learning(scene, settings, &learned);
-            pairs.add_to(&mut findings.summary, scene, settings, learned.assessment.governing);
+            let (n, pairs) = (learned.assessment.governing, (correction.as_ref(), counts));
+            add_levels(&mut findings.summary, scene, settings, n, pairs);
             findings
         }
         Method::MonteCarlo | Method::LatinHypercube => {
             let mut direct = DirectSimulation::new(&problem, settings);
-            dispatcher.run(&mut direct)?;
-            dispatcher.notice(&Progress::Ending);
+            dispatcher.run(evaluator, &mut direct)?;
+            dispatcher.observer.notice(&Progress::Ending);
             direct.findings(scene, settings)?
         }
     };
@@ -151,7 +148,7 @@ pub fn run(
     let result = findings.result(scene, dispatcher.timing(), dispatcher.shares());
     let failures = result.summary.reliability.iter().any(|row| row.reliability["total"] < 1.0);
     if settings.method.learns() && !failures {
-        dispatcher.notice(&Progress::Warning(format!(
+        dispatcher.observer.notice(&Progress::Warning(format!(
             "no failure was found among {} points of the population",
             result.summary.population
         )));

@@ -39,7 +39,7 @@ fn every_task_of_a_measurement_has_its_own_accuracy() {
         (found, end, seen)
     });
     end.expect("the measurement comes to its end");
-    assert_eq!((found.points, seen), (3, 12));
+    assert_eq!((found.reference.len(), seen), (3, 12));
     let expected = [Accuracy::reference().cycle_jump, Accuracy::draft().cycle_jump, 250, 251];
     for (measured, jump) in std::iter::once(&found.reference).chain(&found.settings).zip(expected) {
         for (point, one) in measured.iter().enumerate() {

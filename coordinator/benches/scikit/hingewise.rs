@@ -109,7 +109,7 @@ fn fit(folder: &Path) -> Result<String, Box<dyn std::error::Error>> {
         fitted.evaluations,
         1.0 - error / total,
         model.leave_one_out(values.as_ref())[0].q2,
-        model.sigma2()[0],
+        model.sigma2[0],
     ))
 }
 
@@ -121,7 +121,7 @@ fn value_at(training: TrainingSet<'_>, correlation: &Correlation) -> Result<f64,
         trend: Trend::Constant,
         weights: None,
     };
-    Ok(likelihood.evaluate(correlation).ok_or("no Cholesky factor at these parameters")?.value)
+    Ok(likelihood.evaluate(correlation).ok_or("no Cholesky factor at these parameters")?.0)
 }
 
 /// DIR/scikit.txt holds the nugget and then theta, one a line.
@@ -212,8 +212,13 @@ fn memory() -> Result<String, Box<dyn std::error::Error>> {
     let before = status("VmRSS")?;
     let (early, known) = (points.subcols(0, 142), values.subrows(0, 142));
     let training = TrainingSet { points: early, values: known.subcols(0, 24), noise: None, is_exact: false };
-    let mut model =
-        fit_surrogate(training, FormSettings::fixed(Form::default()), None, Effort::MultiStart)?.model;
+    let mut model = fit_surrogate(
+        training,
+        FormSettings { kernel: Some(Kernel::Gaussian), trend: Some(Trend::Constant) },
+        None,
+        Effort::MultiStart,
+    )?
+    .model;
     model.set_values(known);
     let mut cache = PredictionCache::default();
     let grid: Vec<usize> = (0..24).map(|i| 3 * i).collect();

@@ -72,8 +72,7 @@ pub fn youn_choi() -> Known {
         problem: DesignProblem {
             quantities: (0..2).map(sum).collect(),
             targets: (0..3).map(|g| target(Some(g), standard_normal_cdf(3.0))).collect(),
-            fixed_bounds: vec![],
-            designs: None,
+            ..DesignProblem::default()
         },
         optimum: 6.7289,
         initial: 10,
@@ -101,8 +100,7 @@ fn stack_of(weights: Vec<f64>, costs: &[f64], power: f64, beta: f64) -> Known {
         problem: DesignProblem {
             quantities: (0..weights.len()).map(cost).collect(),
             targets: vec![target(None, standard_normal_cdf(beta))],
-            fixed_bounds: vec![],
-            designs: None,
+            ..DesignProblem::default()
         },
         optimum,
         initial: 12,

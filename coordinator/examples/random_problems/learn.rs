@@ -115,10 +115,10 @@ pub fn learn(
     }
     let mut traced = 0;
     let write_rounds = |campaign: &Campaign| {
-        for round in campaign.rounds().iter().skip(traced).filter(|_| trace) {
+        for round in campaign.rounds.iter().skip(traced).filter(|_| trace) {
             eprintln!("{round:?}");
         }
-        traced = campaign.rounds().len();
+        traced = campaign.rounds.len();
     };
     let learned = Campaign::new(statistics, plan).learn_from(simulate, write_rounds);
     let blank = Run {
@@ -155,7 +155,7 @@ fn compared(problem: &RandomProblem, truth: &Truth, learned: &CampaignResult, bl
     };
     let checkpoints: Vec<Comparison> = (0..m).map(checkpoint).collect();
     let population = &learned.classified.population;
-    let of_system = learned.assessment.errors.by_curve.last().and_then(|errors| errors.last());
+    let of_system = learned.assessment.errors.last().and_then(|errors| errors.last());
     let mut history = vec![0.0; m];
     let mut fails = |j: &usize| {
         let z = problem.in_standard_deviations(&population.physical(*j));

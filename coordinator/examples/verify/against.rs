@@ -179,7 +179,7 @@ fn verified(
 ) -> Verified {
     let model = &surrogate.model;
     let n = values.nrows() as f64;
-    let noise = model.correlation().noise();
+    let noise = model.correlation.noise();
     let (mut q2, mut ratio) = (1.0_f64, 0.0);
     for o in &surrogate.fitted_on {
         let centre = values.col(*o).iter().sum::<f64>() / n;
@@ -188,13 +188,13 @@ fn verified(
             let error = (values[(j, *o)] - mean[(*o, j)]).powi(2);
             errors += error;
             deviations += (values[(j, *o)] - centre).powi(2);
-            ratio += error / (model.sigma2()[*o] * (factor + noise)).max(f64::MIN_POSITIVE);
+            ratio += error / (model.sigma2[*o] * (factor + noise)).max(f64::MIN_POSITIVE);
         }
         q2 = q2.min(if deviations > 0.0 { 1.0 - errors / deviations } else { 1.0 });
     }
     Verified {
         limit_state: limit_state.to_owned(),
-        form: format!("{}, {} trend", model.correlation().kernel.name(), model.trend().name()),
+        form: format!("{}, {} trend", model.correlation.kernel.name(), model.trend().name()),
         q2,
         q2_leave_one_out: surrogate.leave_one_out.iter().map(|l| l.q2).fold(1.0, f64::min),
         variance_ratio: ratio / (n * surrogate.fitted_on.len() as f64),

@@ -6,7 +6,7 @@ use crate::against::{first_failures, observations};
 use crate::simulated::{SimulatedPoint, completed};
 use common::failure::SimulationFailure;
 use common::scene::Scene;
-use coordinator::statistics::learning::{StoppingTargets, curves};
+use coordinator::statistics::learning::{StoppingTargets, curves, with_system};
 use coordinator::study::{Campaign, Observed, Plan, Problem, Settings, StopReason, StudyError, Surrogate};
 use std::collections::HashMap;
 use std::time::Instant;
@@ -73,8 +73,7 @@ pub fn replay(
     let plan =
         Plan { largest_population: samples.len(), retry: false, targets, ..Plan::new(&settings, scene) };
     let simulated: Vec<Vec<u32>> = first_failures(&problem, &observations(scene, &problem, samples));
-    let views: Vec<&[u32]> = simulated.iter().map(Vec::as_slice).collect();
-    let truth = curves(&views, problem.checkpoints.len());
+    let truth = curves(&with_system(simulated), problem.checkpoints.len());
     let points: Vec<SimulatedPoint> = samples.iter().chain([nominal]).cloned().collect();
     let outcomes = completed(scene, &points);
     let known: HashMap<Vec<u64>, &Observed> =
@@ -91,7 +90,7 @@ pub fn replay(
         known.get(&bits(sample)).map(|observed| (*observed).clone()).ok_or_else(unknown)
     };
     let learned = campaign.learn_from(simulate, |campaign| {
-        if campaign.rounds().len() > rounds.len()
+        if campaign.rounds.len() > rounds.len()
             && let Some(round) = round_of(campaign, &truth)
         {
             rounds.push(round);
@@ -110,11 +109,11 @@ fn bits(sample: &[f64]) -> Vec<u64> {
 }
 
 fn round_of(campaign: &Campaign, truth: &[Vec<f64>]) -> Option<Round> {
-    let assessment = campaign.assessment()?;
+    let assessment = campaign.assessment.as_ref()?;
     let pairs = assessment.curves.iter().flatten().zip(truth.iter().flatten());
     let true_error = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     let (mut squares, mut count) = (0.0, 0.0);
-    for ((found, truth), errors) in assessment.curves.iter().zip(truth).zip(&assessment.errors.by_curve) {
+    for ((found, truth), errors) in assessment.curves.iter().zip(truth).zip(&assessment.errors) {
         for (n, error) in assessment.grid.iter().zip(errors).filter(|(_, error)| **error > 1e-4) {
             squares += ((found[*n] - truth[*n]) / error).powi(2);
             count += 1.0;
@@ -124,12 +123,12 @@ fn round_of(campaign: &Campaign, truth: &[Vec<f64>]) -> Option<Round> {
         let model = &surrogate.model;
         let q2 = surrogate.leave_one_out.iter().map(|l| l.q2).fold(1.0, f64::min);
         let crossed = surrogate.cross_validation.as_ref().map_or(q2, |crossed| crossed.q2);
-        let (kernel, trend) = (model.correlation().kernel.name(), model.trend().name());
+        let (kernel, trend) = (model.correlation.kernel.name(), model.trend().name());
         format!("{kernel} {trend} {q2:.4} {crossed:.4} {:.2}", surrogate.inflation())
     };
     Some(Round {
         evaluations: campaign.evaluations(),
-        stated_error: assessment.errors.largest(),
+        stated_error: assessment.figures.error,
         true_error,
         error_ratio: if count > 0.0 { f64::sqrt(squares / count) } else { 0.0 },
         uncertain: assessment.share_uncertain,

@@ -70,6 +70,15 @@ pub fn limit_state<'s>(row: &mut Section<'s>, scene: &Scene) -> Option<(&'s str,
     Some((name, Some(place).filter(|place| *place < scene.limit_states.len())))
 }
 
+/// A number above 0 and up to `most` in a cell; another one is a fault with what is allowed.
+pub fn positive(row: &Section, column: &str, text: &str, most: f64, allowed: &str) -> Option<f64> {
+    let read = text.parse::<f64>().ok().filter(|value| *value > 0.0 && value.is_finite() && *value <= most);
+    if read.is_none() {
+        row.inconsistent(column, format!("{text:?}: allowed: {allowed}"));
+    }
+    read
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -56,7 +56,7 @@ pub fn with_keys(source: &SceneSource, origin: &str, keys: &Table) -> Result<Sce
 fn with_settings(source: &SceneSource, settings: &[String], allowed: Allowed) -> Result<SceneSource, Faults> {
     let (read, mut faults) = parse_all(source, settings, allowed);
     let (quantities, others): (Vec<_>, Vec<_>) =
-        read.into_iter().partition(|setting| matches!(setting.place, Place::Quantity(_)));
+        read.into_iter().partition(|(place, _)| matches!(place, Place::Quantity(_)));
     // The faults of both are found together.
     let alone = [edited(source, &quantities), edited(source, &others)];
     let found = alone.iter().filter_map(|edited| edited.as_ref().err());
@@ -74,8 +74,8 @@ fn edited(source: &SceneSource, settings: &[Setting]) -> Result<SceneSource, Fau
         return Ok(source.clone());
     }
     let of_variable = |k: usize| -> Vec<(&str, Value)> {
-        let of = |setting: &Setting| match setting.place {
-            Place::Variable(i, key) if i == k => Some((key, setting.value.clone())),
+        let of = |(place, value): &Setting| match place {
+            Place::Variable(i, key) if *i == k => Some((*key, value.clone())),
             _ => None,
         };
         settings.iter().filter_map(of).collect()
@@ -87,7 +87,7 @@ fn edited(source: &SceneSource, settings: &[Setting]) -> Result<SceneSource, Fau
         has_none && !keys.is_empty() && keys.iter().all(|(key, _)| ["mean", "std"].contains(key))
     };
     let moved: Vec<usize> = (0..source.variables().len()).filter(moves).collect();
-    let normal = |k: &usize| Setting { place: Place::Variable(*k, "distribution"), value: "normal".into() };
+    let normal = |k: &usize| (Place::Variable(*k, "distribution"), "normal".into());
     let normals: Vec<Setting> = moved.iter().map(normal).collect();
     let targets =
         if moved.is_empty() { source.clone() } else { edited(source, &[settings, &normals].concat())? };
@@ -104,7 +104,7 @@ fn edited(source: &SceneSource, settings: &[Setting]) -> Result<SceneSource, Fau
                 change_variable(row, variable, &set);
             }
         }
-        for Setting { place, value } in settings {
+        for (place, value) in settings {
             match place {
                 Place::Variable(..) => {}
                 Place::Quantity(key) | Place::Threshold(key) => {

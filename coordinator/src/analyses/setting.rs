@@ -36,21 +36,15 @@ pub enum Place {
     Correlation([usize; 2]),
 }
 
-/// A value given to one quantity or distribution.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Setting {
-    /// What it changes.
-    pub place: Place,
-    /// Its value as in a scene file; of a correlation the whole row.
-    pub value: Value,
-}
+/// A value given to one quantity or distribution: what it changes, and its value as in a scene file; of a correlation the whole row.
+pub type Setting = (Place, Value);
 
 /// Reads settings, each of another place: those without a fault, and the faults.
 pub fn parse_all(source: &SceneSource, settings: &[String], allowed: Allowed) -> (Vec<Setting>, Vec<Fault>) {
     let (mut read, mut faults) = (Vec::<Setting>::new(), Vec::new());
     for setting in settings {
         match parse(source, setting, allowed) {
-            Ok(found) if read.iter().any(|known| known.place == found.place) => {
+            Ok(found) if read.iter().any(|(place, _)| *place == found.0) => {
                 faults.push(Fault::new("--set", setting, "this is set twice"));
             }
             Ok(found) => read.push(found),
@@ -111,7 +105,7 @@ fn parse(source: &SceneSource, setting: &str, allowed: Allowed) -> Result<Settin
             variable.name
         ));
     }
-    Ok(Setting { place, value })
+    Ok((place, value))
 }
 
 fn refuse<T>(message: &str) -> Result<T, FaultKind> {
@@ -185,7 +179,7 @@ fn correlation(source: &SceneSource, names: &str, key: &str, value: Value) -> Re
     let index = |name: &str| source.variable(name).ok_or_else(|| source.unknown_setting(name));
     let (i, k) = (index(first)?, index(second)?);
     let place = Place::Correlation([i.min(k), i.max(k)]);
-    Ok(Setting { place, value: correlation_row([first, second], key, value) })
+    Ok((place, correlation_row([first, second], key, value)))
 }
 
 /// A row of the list of correlations, with its value at the key `coefficient` or `rank`.

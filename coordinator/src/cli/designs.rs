@@ -126,7 +126,7 @@ struct AskedDesigns {
 }
 
 fn points_of(space: &DesignSpace) -> usize {
-    POINTS[(space.variables().len() - 1).min(POINTS.len() - 1)]
+    POINTS[(space.variables.len() - 1).min(POINTS.len() - 1)]
 }
 
 fn objective(arguments: &DesignsArguments, scene: &Scene) -> Done<Objective> {

@@ -97,7 +97,7 @@ fn learned(opened: &OpenedStudy, arguments: &LearnArguments) -> Done<LearnReport
     let model = opened.life_model()?;
     let (studied, summary) = (opened.study.scene(), &opened.summary);
     let (laws, designs) = laws_of(studied, present.nominal());
-    let inputs = InputModel::new(laws, model.inputs().copula().clone());
+    let inputs = InputModel::new(laws, model.inputs.copula.clone());
     let model = model.redistributed(inputs);
     let data = read_fleet(&arguments.data, &opened.study.source, &model, Some(&designs))?;
     let mut settings = LearnSettings::new(opened.study.settings.seed);

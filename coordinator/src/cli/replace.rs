@@ -6,8 +6,7 @@ use clap::Args;
 use common::scene::Scene;
 use coordinator::analyses::quantity::output_quantity;
 use coordinator::analyses::replace::{
-    DemandedReliability, InspectionPlan, Schedule, answer, check_costs, inspect,
-    replace as age_of_replacement,
+    InspectionPlan, Schedule, answer, check_costs, inspect, replace as age_of_replacement,
 };
 use coordinator::statistics::replacement::{PolicyCosts, ReplacementCosts};
 use std::path::PathBuf;
@@ -81,7 +80,7 @@ pub fn replace(arguments: &ReplaceArguments, as_json: bool) -> Done {
     let opened = OpenedStudy::open(&arguments.dir, false)?;
     let OpenedStudy { study, summary, .. } = &opened;
     let confidence = arguments.confidence;
-    let demand = arguments.reliability.map(|reliability| DemandedReliability { reliability, confidence });
+    let demand = arguments.reliability.map(|reliability| (reliability, confidence));
     let mut report =
         age_of_replacement(summary, &arguments.curve, &costs, demand).map_err(CommandError::bad_input)?;
     if !(arguments.inspect_every.is_empty() && arguments.inspect_at.is_empty()) {

@@ -16,7 +16,7 @@ use super::{
     CommandError, CommandEvaluator, Done, FarmArguments, StoredStudy, Verbosity, check_linkage, load_with,
     print, summary_of, to_json,
 };
-use common::scene::{read_text, samples_of};
+use common::scene::{Scene, read_text, samples_of};
 use coordinator::analyses::designs::{DESIGNS_DOCUMENT, DesignSpace};
 use coordinator::presentation::motion_cautions::motion_cautions;
 use coordinator::presentation::report::{self, CheckpointDistribution, SUMMARY_DOCUMENT};
@@ -24,8 +24,8 @@ use coordinator::presentation::terminal::{Terminal, final_text, print_message};
 use coordinator::results::store::{CampaignFile, CampaignMeta};
 use coordinator::results::summary::StudySummary;
 use coordinator::results::summary_rows::control_points_rows;
-use coordinator::statistics::reliability::{Histogram, PROBABILITIES};
-use coordinator::study::{Method, OutputHistory, Settings};
+use coordinator::statistics::reliability::{Histogram, OutputDistribution, PROBABILITIES};
+use coordinator::study::{Method, Settings};
 use std::path::{Path, PathBuf};
 
 /// Starts a study and runs it to its end.
@@ -254,7 +254,7 @@ fn finish(
         result.summary.control_points = control_points_rows(scene, &nominal.diagnostics);
     }
     campaign.put_document(report::EXPLICIT_DOCUMENT, &result.explicit)?;
-    report::deliver(campaign, scene, &result.summary, &for_report(&result.distributions))?;
+    report::deliver(campaign, scene, &result.summary, &for_report(scene, &result.distributions))?;
     monitor.end(verbosity.quiet);
     let unanswered = after_study(study, Machines::Open(&mut evaluator), verbosity)?;
     evaluator.close();
@@ -284,13 +284,13 @@ fn free_folder(scene: &str) -> PathBuf {
     PathBuf::from(std::iter::once(name.clone()).chain(numbered).find(|name| free(name)).unwrap_or(name))
 }
 
-/// One entry per output and checkpoint of the histories.
-fn for_report(histories: &[OutputHistory]) -> Vec<CheckpointDistribution> {
-    let all = histories.iter().flat_map(|history| {
-        history.cycles.iter().zip(&history.at).map(|(cycles, at)| {
+/// One entry per output and checkpoint.
+fn for_report(scene: &Scene, distributions: &[Vec<OutputDistribution>]) -> Vec<CheckpointDistribution> {
+    let all = scene.outputs.iter().zip(distributions).flat_map(|(output, all)| {
+        scene.life.checkpoints().into_iter().zip(all).map(|(cycles, at)| {
             let (edges, counts) = bins(&at.histogram);
             let quantiles = PROBABILITIES.into_iter().zip(at.quantiles.iter().copied()).collect();
-            let (output, cycles, mean, std) = (history.output.clone(), *cycles, at.mean, at.std);
+            let (output, mean, std) = (output.name.clone(), at.mean, at.std);
             CheckpointDistribution { output, cycles, mean, std, edges, counts, quantiles }
         })
     });

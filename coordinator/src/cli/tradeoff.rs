@@ -66,9 +66,9 @@ pub fn tradeoff(arguments: &TradeoffArguments, verbosity: Verbosity) -> Done {
         farm.close();
     }
     // What is complete is written even if the rest is missing.
-    if measurement.points > 0 {
+    if !measurement.reference.is_empty() {
         let rows = compare(scene, &plan.settings, &measurement);
-        let answer = answer(scene, &rows, &reference_row(scene, &measurement), measurement.points);
+        let answer = answer(scene, &rows, &reference_row(scene, &measurement), measurement.reference.len());
         if let Some(folder) = &arguments.out {
             let values = values_csv(scene, &plan.settings, &measurement);
             write_text(&folder.join("values.csv"), &values)?;

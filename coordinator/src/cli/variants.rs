@@ -78,7 +78,7 @@ pub fn after_study(study: StoredStudy, farm: &FarmArguments, verbosity: Verbosit
         let found = of_variants.learn(source.nominal(), variant.level, evaluator.evaluator(), &mut journal);
         let found = found.map_err(|error| CommandError::of_study(error, &dir))?;
         evaluator.close();
-        let [evaluations, failed] = found.evaluations;
+        let [evaluations, failed] = found.1;
         verbosity.say(format_args!("variant {}: {evaluations} simulations, {failed} failed", variant.name));
         rows.push(row(&scene, &opened.settings, variant, &base, &found));
     }

@@ -43,8 +43,8 @@ impl Settings {
 impl Campaign {
     /// The points that join the designs next, see step 3 of the head of this file.
     pub(super) fn choose_as_published(&mut self) -> Vec<PendingSample> {
-        let Self { classified, requests, plan, progress, .. } = self;
-        let assessment = progress.assessment.as_mut().expect("all outcomes have been assessed");
+        let Self { classified, requests, plan, assessment, .. } = self;
+        let assessment = assessment.as_mut().expect("all outcomes have been assessed");
         if plan.settings.learning == LearningFunction::Coupled {
             let Assessment { selection, modes, .. } = assessment;
             return selection.choose(modes).into_iter().map(|j| requests.take(classified, j)).collect();

@@ -12,7 +12,7 @@
 use super::campaign_data::{CampaignData, judge, largest_prediction_error};
 use super::failures::{check_failures, check_results};
 use super::requests::{PendingSample, Requests};
-use super::round::{Assessment, RoundInput, assess};
+use super::round::{Assessment, assess};
 use super::surrogates::SurrogateState;
 use super::{CampaignError, ClassifiedPopulation, ObservedOutcome, Plan, Problem, Step, StopReason};
 use crate::results::summary::Round;
@@ -23,18 +23,6 @@ use crate::statistics::surrogate::Effort;
 /// Error in predicted standard deviations from which a result contradicts the surrogates while a stopping
 /// rule holds: 6e-5 for a normal error.
 const CONTRADICTION: f64 = 4.0;
-
-/// How far learning has come.
-#[derive(Debug, Default)]
-pub(super) struct LearningProgress {
-    pub(super) stopping: Stopping,
-    /// The rounds so far.
-    pub rounds: Vec<Round>,
-    /// Assessment of all outcomes received; absent until the newest have been assessed.
-    pub assessment: Option<Assessment>,
-    /// Why learning has ended; absent until it has.
-    pub stop: Option<StopReason>,
-}
 
 /// A campaign of active learning.
 ///
@@ -49,7 +37,13 @@ pub struct Campaign {
     pub(super) requests: Requests,
     pub(super) data: CampaignData,
     pub(super) surrogates: SurrogateState,
-    pub(super) progress: LearningProgress,
+    pub(super) stopping: Stopping,
+    /// The rounds so far.
+    pub rounds: Vec<Round>,
+    /// Assessment of all outcomes received; absent until the newest have been assessed.
+    pub assessment: Option<Assessment>,
+    /// Why learning has ended; absent until it has.
+    pub(super) stop: Option<StopReason>,
 }
 
 impl Campaign {
@@ -61,7 +55,10 @@ impl Campaign {
             requests: Requests::new(population.len()),
             data: CampaignData::new(problem.inputs.dimension()),
             surrogates: SurrogateState::new(problem.modes.len()),
-            progress: LearningProgress::default(),
+            stopping: Stopping::default(),
+            rounds: Vec::new(),
+            assessment: None,
+            stop: None,
             classified: ClassifiedPopulation::new(population),
             problem,
             plan,
@@ -79,7 +76,7 @@ impl Campaign {
                 return Ok(step);
             }
             self.restart_on_new_population();
-            (self.progress.stop, self.progress.assessment) = (None, None);
+            (self.stop, self.assessment) = (None, None);
         }
     }
 
@@ -89,37 +86,37 @@ impl Campaign {
             return Ok(self.requests.begin(vec![PendingSample::nominal(&self.problem.inputs)]));
         }
         let waiting = self.requests.under_way();
-        if self.progress.stop.is_some() {
+        if self.stop.is_some() {
             return Ok(if waiting == 0 { Step::Done } else { Step::Wait });
         }
         if !self.requests.retries.is_empty() && self.budget_left() > 0 {
             return Ok(self.request_retries());
         }
-        if self.progress.rounds.is_empty() && waiting > 0 {
+        if self.rounds.is_empty() && waiting > 0 {
             return Ok(Step::Wait);
         }
         if !self.data.observations.has_design() {
             return Ok(self.request_initial_design());
         }
-        while self.progress.assessment.is_none() {
+        while self.assessment.is_none() {
             if let Some(step) = self.repeat_outliers() {
                 return Ok(step);
             }
             self.assess_and_decide()?;
         }
         // A rule that is met must hold over all results: no new request until those under way have arrived.
-        let settling = self.progress.stop.is_none() && self.progress.stopping.is_holding() && waiting > 0;
-        if self.progress.stop.is_none() && self.budget_left() == 0 && waiting == 0 {
+        let settling = self.stop.is_none() && self.stopping.is_holding() && waiting > 0;
+        if self.stop.is_none() && self.budget_left() == 0 && waiting == 0 {
             self.assess_missing_checkpoints()?;
             self.redraw_at_the_end()?;
-            self.progress.stop = Some(StopReason::Budget);
+            self.stop = Some(StopReason::Budget);
         }
-        if self.progress.stop.is_some()
+        if self.stop.is_some()
             || settling
             || self.budget_left() == 0
             || waiting + self.plan.settings.chunk() > self.plan.settings.batch
         {
-            return Ok(if waiting == 0 && self.progress.stop.is_some() { Step::Done } else { Step::Wait });
+            return Ok(if waiting == 0 && self.stop.is_some() { Step::Done } else { Step::Wait });
         }
         Ok(self.request_chunk())
     }
@@ -131,7 +128,7 @@ impl Campaign {
     pub fn record(&mut self, outcomes: Vec<ObservedOutcome>) -> Result<(), CampaignError> {
         let chunk = self.requests.finish_oldest(outcomes.len());
         let is_nominal = self.data.observations.is_empty();
-        let learning = !self.progress.rounds.is_empty();
+        let learning = !self.rounds.is_empty();
         let is_repetition = chunk.iter().all(PendingSample::is_repetition);
         for (pending, outcome) in chunk.into_iter().zip(outcomes) {
             match outcome {
@@ -151,7 +148,7 @@ impl Campaign {
                 }
             }
         }
-        self.progress.assessment = None;
+        self.assessment = None;
         if is_nominal {
             let failed = self.data.failed.first().map(|failed| failed.cause.clone());
             return failed.map_or(Ok(()), |cause| Err(CampaignError::Nominal { cause }));
@@ -203,9 +200,9 @@ impl Campaign {
             return self.requests.begin(chunk);
         }
         let count = self.plan.settings.chunk().min(self.budget_left());
-        let exploring = self.progress.stopping.exploring(self.data.results() + self.data.failed.len(), count);
+        let exploring = self.stopping.exploring(self.data.results() + self.data.failed.len(), count);
         let mut chunk = self.explore(exploring);
-        let assessment = self.progress.assessment.as_mut().expect("all outcomes have been assessed");
+        let assessment = self.assessment.as_mut().expect("all outcomes have been assessed");
         // One after the other: a choice marks its copies in a conditional population, which the selection, made
         // before, does not know.
         let Assessment { selection, modes, .. } = assessment;
@@ -218,7 +215,7 @@ impl Campaign {
         if chunk.is_empty() {
             // Every point of the population was simulated or is under way.
             if self.requests.under_way() == 0 {
-                self.progress.stop = Some(StopReason::Rule(Rule::Learning));
+                self.stop = Some(StopReason::Rule(Rule::Learning));
                 return Step::Done;
             }
             return Step::Wait;
@@ -248,7 +245,7 @@ impl Campaign {
                 let rare = classified.is_rare(plan, failed, barred);
                 let points = plan.targets.points_to_hold(self.problem.inputs.dimension(), rare);
                 let needed = (plan.targets.hold, points);
-                let held = self.progress.stopping.record_round(met, self.data.results(), needed);
+                let held = self.stopping.record_round(met, self.data.results(), needed);
                 let ends = held && self.requests.under_way() == 0;
                 let surrogates = &assessment.surrogates;
                 (ends, ends && classified.replace_if_needed(plan, surrogates, failed, barred))
@@ -258,9 +255,9 @@ impl Campaign {
                 continue;
             }
             if ends {
-                self.progress.stop = met.map(StopReason::Rule);
+                self.stop = met.map(StopReason::Rule);
             }
-            self.progress.assessment = Some(assessment);
+            self.assessment = Some(assessment);
             return Ok(());
         }
     }
@@ -268,8 +265,7 @@ impl Campaign {
     /// Draws a conditional population once more where the budget ends learning before it has settled: the last results
     /// may have shown failures outside the event it is conditional on. What changes counts as an error.
     pub(super) fn redraw_at_the_end(&mut self) -> Result<(), CampaignError> {
-        let Some(assessment) = self.progress.assessment.as_ref().filter(|_| self.classified.is_conditional())
-        else {
+        let Some(assessment) = self.assessment.as_ref().filter(|_| self.classified.is_conditional()) else {
             return Ok(());
         };
         let before = self.classified.condition.probability * assessment.governing_failed();
@@ -279,23 +275,22 @@ impl Campaign {
         let failed = assessment.governing_failed();
         self.classified.add_change(before, failed);
         self.add_round(&assessment);
-        self.progress.assessment = Some(assessment);
+        self.assessment = Some(assessment);
         Ok(())
     }
 
     pub(super) fn add_round(&mut self, assessment: &Assessment) {
         let cov_pf = self.classified.coefficient_of_variation(assessment.governing_failed());
         let mut row = assessment.row(self.classified.condition.probability, self.classified.population.len());
-        (row.round, row.evaluations, row.cov_pf) =
-            (self.progress.rounds.len(), self.requests.received, cov_pf);
+        (row.round, row.evaluations, row.cov_pf) = (self.rounds.len(), self.requests.received, cov_pf);
         row.cycles = self.problem.checkpoints[assessment.governing];
-        self.progress.rounds.push(row);
+        self.rounds.push(row);
     }
 
     fn restart_on_new_population(&mut self) {
         self.requests.mark_known(&self.classified.population);
         self.surrogates.reset_population();
-        self.progress.stopping.reset(self.classified.similar);
+        self.stopping.reset(self.classified.similar);
     }
 
     /// Assesses the outcomes; if a stopping rule is met with lengths that are not fresh, assesses again after
@@ -307,31 +302,22 @@ impl Campaign {
         let mut repairs = 0;
         let error = || largest_prediction_error(&self.surrogates.models, &self.problem.modes, observations);
         let contradicted = std::mem::take(&mut self.data.contradicted);
-        if self.progress.stopping.is_holding() {
+        if self.stopping.is_holding() {
             let far_off = error() > CONTRADICTION;
             if far_off {
                 effort = Effort::MultiStart;
             }
             if far_off || contradicted {
-                self.progress.stopping.reset(false);
+                self.stopping.reset(false);
                 self.classified.require_another_draw();
             }
         }
-        let under_way = self.requests.members_under_way();
+        let round = u32::try_from(self.rounds.len()).unwrap_or(u32::MAX);
         loop {
-            let input = RoundInput {
-                problem: &self.problem,
-                plan: &self.plan,
-                population: &self.classified.population,
-                requested: &self.requests.requested,
-                under_way: &under_way,
-                observations,
-                failed: &self.data.failed,
-                surrogates: &self.surrogates.models,
-                previous: self.surrogates.previous_curves.as_deref(),
-                round: u32::try_from(self.progress.rounds.len()).unwrap_or(u32::MAX),
-            };
-            let mut assessment = assess(&input, &mut self.surrogates.caches, effort)?;
+            let Self { problem, plan, classified, requests, data, surrogates, .. } = self;
+            let population = &classified.population;
+            let mut assessment =
+                assess((problem, plan), population, requests, data, surrogates, (round, effort))?;
             repairs += assessment.repairs;
             assessment.repairs = repairs;
             self.surrogates.models.clone_from(&assessment.surrogates);
@@ -348,19 +334,9 @@ impl Campaign {
         }
     }
 
-    /// The rounds so far.
-    pub fn rounds(&self) -> &[Round] {
-        &self.progress.rounds
-    }
-
     /// Point `j` of the population `(d,)` [SI].
     pub fn sample(&self, j: usize) -> Vec<f64> {
         self.classified.population.physical(j)
-    }
-
-    /// The assessment of all outcomes received; `None` if the newest have not been assessed yet.
-    pub fn assessment(&self) -> Option<&Assessment> {
-        self.progress.assessment.as_ref()
     }
 
     /// Number of evaluations whose outcome has been recorded, failed ones included.

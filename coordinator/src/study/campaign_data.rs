@@ -24,7 +24,7 @@ pub(super) struct CampaignData {
     /// surrogate.
     confirmed: Vec<Vec<f64>>,
     /// Standardised points `(d,)` of exploring results nearer to a limit than predicted, with their
-    /// [`Judgement::approach`].
+    /// [`judge`].
     approaches: Vec<(Vec<f64>, f64)>,
     /// Simulations that failed for good.
     pub failed: Vec<Failed>,
@@ -54,12 +54,13 @@ impl CampaignData {
 
     /// Adds an exploring result at the standardised point `z` `(d,)`: to the data of the surrogates if it
     /// concerns a limit.
-    pub fn add_exploring(&mut self, z: Vec<f64>, observed: Observed, judgement: Judgement) {
-        self.contradicted |= judgement.verdict == Verdict::Contradicted;
-        if judgement.approach > 0.0 {
-            self.approaches.push((z.clone(), judgement.approach));
+    pub fn add_exploring(&mut self, z: Vec<f64>, observed: Observed, judged: (Verdict, f64)) {
+        let (verdict, approach) = judged;
+        self.contradicted |= verdict == Verdict::Contradicted;
+        if approach > 0.0 {
+            self.approaches.push((z.clone(), approach));
         }
-        match judgement.verdict {
+        match verdict {
             Verdict::Confirmed => self.confirmed.push(z),
             Verdict::Near | Verdict::Contradicted => self.observations.add(&z, observed),
         }
@@ -116,10 +117,10 @@ impl Surrogate {
             return 0.0;
         }
         let prediction = self.model.predict(results.points.subcols(n, all - n));
-        let (noise, inflation) = (self.model.correlation().noise(), self.inflation());
+        let (noise, inflation) = (self.model.correlation.noise(), self.inflation());
         let standardised_error = |i: usize, o: usize| {
             let (value, mean) = (results.values[(n + i, o)], prediction.mean[(o, i)]);
-            let variance = self.model.sigma2()[o] * (prediction.variance_factor[i] + noise) * inflation;
+            let variance = self.model.sigma2[o] * (prediction.variance_factor[i] + noise) * inflation;
             let error = (value - mean).abs() / variance.max(f64::MIN_POSITIVE).sqrt();
             if verdict(value, mean, self.threshold.value) > Verdict::Confirmed { error } else { 0.0 }
         };
@@ -169,33 +170,30 @@ pub(super) fn largest_prediction_error(
     surrogates.iter().zip(modes).map(error_of).fold(0.0, f64::max)
 }
 
-/// Comparison of a result with its prediction.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Judgement {
-    /// The gravest verdict over modes and checkpoints.
-    pub verdict: Verdict,
-    /// Largest share of the predicted distance from a limit by which the result is nearer to it [1]; 1 beyond it.
-    pub approach: f64,
-}
-
 /// The share of the predicted distance by which `value` is nearer to the threshold than predicted, 0 to 1 [1].
 fn approach(value: f64, predicted: f64, threshold: f64) -> f64 {
     if predicted >= threshold { 0.0 } else { ((value - predicted) / (threshold - predicted)).clamp(0.0, 1.0) }
 }
 
 /// Judges a result at the standardised point `z` `(d,)` over the modes and the checkpoints their surrogates were
-/// fitted on.
-pub(super) fn judge(surrogates: &[Surrogate], modes: &[Mode], z: &[f64], observed: &Observed) -> Judgement {
+/// fitted on: the gravest verdict, and the largest share of the predicted distance from a limit by which the result is nearer to it [1];
+/// 1 beyond it.
+pub(super) fn judge(
+    surrogates: &[Surrogate],
+    modes: &[Mode],
+    z: &[f64],
+    observed: &Observed,
+) -> (Verdict, f64) {
     let point: Mat<f64> = MatRef::from_column_major_slice(z, z.len(), 1).to_owned();
-    let mut gravest = Judgement { verdict: Verdict::Confirmed, approach: 0.0 };
+    let mut gravest = (Verdict::Confirmed, 0.0_f64);
     for (surrogate, mode) in surrogates.iter().zip(modes) {
         let mean = surrogate.model.predict(point.as_ref()).mean;
         let values = observed.running_maximum(mode.output);
         for o in &surrogate.fitted_on {
             let (value, mean) = (values[*o], mean[(*o, 0)]);
             let threshold = surrogate.threshold.value;
-            gravest.verdict = gravest.verdict.max(verdict(value, mean, threshold));
-            gravest.approach = gravest.approach.max(approach(value, mean, threshold));
+            gravest.0 = gravest.0.max(verdict(value, mean, threshold));
+            gravest.1 = gravest.1.max(approach(value, mean, threshold));
         }
     }
     gravest
@@ -228,10 +226,9 @@ mod tests {
         let mut data = CampaignData::new(1);
         data.observations.add(&[0.0], Observed::exact(vec![vec![1.0]]));
         let result = || Observed::exact(vec![vec![1.0]]);
-        let judged = |verdict, approach| Judgement { verdict, approach };
-        data.add_exploring(vec![1.0], result(), judged(Verdict::Confirmed, 0.0));
-        data.add_exploring(vec![2.0], result(), judged(Verdict::Near, 0.5));
-        data.add_exploring(vec![3.0], result(), judged(Verdict::Contradicted, 1.0));
+        data.add_exploring(vec![1.0], result(), (Verdict::Confirmed, 0.0));
+        data.add_exploring(vec![2.0], result(), (Verdict::Near, 0.5));
+        data.add_exploring(vec![3.0], result(), (Verdict::Contradicted, 1.0));
         let mut factors = data.explored_with_factors();
         factors.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]));
         let expected = [(0.0, 1.0), (1.0, 1.0), (2.0, 8.0), (3.0, 1000.0)];

@@ -96,18 +96,18 @@ impl Campaign {
 
     /// The result, once [`Step::Done`] has been returned.
     pub fn finish(mut self) -> Option<CampaignResult> {
-        let stop = self.progress.stop?;
+        let stop = self.stop?;
         // Failures that the budget left no repetition for.
         let retries = self.requests.retries.drain(..);
         let failed = retries.map(|(pending, cause)| Failed { z: pending.z, cause, expected: false });
         self.data.failed.extend(failed);
         Some(CampaignResult {
             shares: self.interim()?,
-            assessment: self.progress.assessment?,
+            assessment: self.assessment?,
             method: self.plan.settings.method,
             classified: self.classified,
             observations: self.data.observations,
-            rounds: self.progress.rounds,
+            rounds: self.rounds,
             evaluations: self.requests.received,
             failed: self.data.failed,
             outliers: self.data.outliers,

@@ -6,13 +6,14 @@
 //!
 //! What the pairs of a study gave, for its summary.
 
+use super::requests::bits;
 use super::{Observed, ObservedOutcome, Settings};
 use crate::results::summary::StudySummary;
 use crate::results::summary_rows::{DifferenceRow, LevelsRow};
 use crate::statistics::levels::{HistoryDifference, HistoryPair};
 use crate::statistics::reliability::REACH;
 use common::scene::{LimitState, Scene};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Fewest pairs for a correction.
 const FEWEST: usize = 3;
@@ -26,18 +27,9 @@ pub struct StoredOutcome {
     pub outcome: ObservedOutcome,
 }
 
-/// Results of one sample at several levels.
-#[derive(Debug, Clone)]
-pub(super) struct LevelPair {
-    /// Values of the variables `(d,)` [SI].
-    pub sample: Vec<f64>,
-    /// At the working accuracy.
-    pub working: Observed,
-    /// At the next finer level.
-    pub finer: Observed,
-    /// At the third level, at few points.
-    pub finest: Option<Observed>,
-}
+/// Results of one sample, the values of the variables `(d,)` [SI]: at the working accuracy and the next finer level, and at the third
+/// level, at few points.
+pub(super) type LevelPair<'a> = (&'a [f64], [&'a Observed; 2], Option<&'a Observed>);
 
 /// Correction of every output of a scene.
 #[derive(Debug, Clone)]
@@ -50,7 +42,8 @@ pub struct Correction {
     pub thirds: usize,
     /// Values of the variables of the first pair `(d,)` [SI].
     first: Vec<f64>,
-    outputs: Vec<OutputCorrection>,
+    /// Difference of the history of each output; true if its first value is that at the start of life.
+    outputs: Vec<(HistoryDifference, bool)>,
 }
 
 /// What the second level of a pair is.
@@ -64,42 +57,29 @@ pub(super) enum PairedModel {
     Variant,
 }
 
-/// Correction of the history of one output.
-#[derive(Debug, Clone)]
-struct OutputCorrection {
-    difference: HistoryDifference,
-    /// True if the first value of the difference is that at the start of life.
-    has_start: bool,
-}
-
-impl OutputCorrection {
-    fn new(pairs: &[LevelPair], output: usize, target: PairedModel) -> Self {
-        let both = |pair: &LevelPair| {
-            let third = pair.finest.as_ref().is_none_or(|finest| finest.start[output].is_some());
-            third && pair.working.start[output].is_some() && pair.finer.start[output].is_some()
-        };
-        let has_start = pairs.iter().all(both);
-        let values = |observed: &Observed| -> Vec<f64> {
-            let start = observed.start[output].filter(|_| has_start);
-            start.into_iter().chain(observed.histories[output].iter().copied()).collect()
-        };
-        let of_pair =
-            |pair: &LevelPair| (values(&pair.working), values(&pair.finer), pair.finest.as_ref().map(values));
-        let all: Vec<_> = pairs.iter().map(of_pair).collect();
-        let slices = std::iter::zip(&all, pairs).map(|((working, finer, finest), pair)| HistoryPair {
-            point: &pair.sample,
-            working,
-            finer,
-            finest: finest.as_deref(),
-        });
-        let slices: Vec<HistoryPair<'_>> = slices.collect();
-        let difference = match target {
-            PairedModel::FinerLevel => HistoryDifference::new(&slices),
-            PairedModel::ExactLevel => HistoryDifference::to_exact(&slices),
-            PairedModel::Variant => HistoryDifference::new(&slices).without_remainder(),
-        };
-        Self { difference, has_start }
-    }
+/// Difference of the history of one output by pairs; true if its first value is that at the start of life.
+fn difference_of(pairs: &[LevelPair<'_>], output: usize, target: PairedModel) -> (HistoryDifference, bool) {
+    let has_start = |observed: &Observed| observed.start[output].is_some();
+    let has_start = pairs
+        .iter()
+        .all(|(_, both, finest)| both.iter().all(|one| has_start(one)) && finest.is_none_or(has_start));
+    let values = |observed: &Observed| -> Vec<f64> {
+        let start = observed.start[output].filter(|_| has_start);
+        start.into_iter().chain(observed.histories[output].iter().copied()).collect()
+    };
+    let histories = pairs.iter().map(|(point, [working, finer], finest)| HistoryPair {
+        point,
+        working: values(working),
+        finer: values(finer),
+        finest: finest.map(values),
+    });
+    let histories: Vec<_> = histories.collect();
+    let difference = match target {
+        PairedModel::FinerLevel => HistoryDifference::new(&histories),
+        PairedModel::ExactLevel => HistoryDifference::to_exact(&histories),
+        PairedModel::Variant => HistoryDifference::new(&histories).without_remainder(),
+    };
+    (difference, has_start)
 }
 
 impl PairedModel {
@@ -112,40 +92,38 @@ impl PairedModel {
 
 impl Correction {
     /// The correction of the first `outputs` outputs; `None` with too few pairs.
-    pub(super) fn new(pairs: &[LevelPair], outputs: usize, target: PairedModel) -> Option<Self> {
+    pub(super) fn new(pairs: &[LevelPair<'_>], outputs: usize, target: PairedModel) -> Option<Self> {
         (pairs.len() >= FEWEST).then(|| Self {
             target,
             pairs: pairs.len(),
-            first: pairs[0].sample.clone(),
-            thirds: pairs.iter().filter(|pair| pair.finest.is_some()).count(),
-            outputs: (0..outputs).map(|output| OutputCorrection::new(pairs, output, target)).collect(),
+            first: pairs[0].0.to_vec(),
+            thirds: pairs.iter().filter(|(.., finest)| finest.is_some()).count(),
+            outputs: (0..outputs).map(|output| difference_of(pairs, output, target)).collect(),
         })
     }
 
     /// The correction of a scene by stored outcomes at the working accuracy, and at finer levels `(level, outcome)` of the same samples.
-    pub fn from_stored(
+    pub fn from_stored<'s>(
         scene: &Scene,
-        working: &[StoredOutcome],
-        finer: &[(u8, StoredOutcome)],
+        working: &'s [StoredOutcome],
+        finer: &'s [(u8, StoredOutcome)],
     ) -> Option<Self> {
-        let bits = |sample: &[f64]| sample.iter().map(|x| x.to_bits()).collect::<Vec<u64>>();
         let of_level = |wanted: u8| -> HashMap<Vec<u64>, &Observed> {
             let own = finer.iter().filter(|(level, _)| *level == wanted);
             own.filter_map(|(_, one)| Some((bits(&one.sample), one.outcome.as_ref().ok()?))).collect()
         };
         let (second, third) = (of_level(1), of_level(2));
-        let mut known = HashMap::new();
-        let pair = |one: &StoredOutcome| {
-            let sample = one.sample.clone();
+        let mut known = HashSet::new();
+        let mut pair = |one: &'s StoredOutcome| {
             let key = bits(&one.sample);
-            let working = one.outcome.as_ref().ok()?.clone();
-            let finer = (*second.get(&key)?).clone();
-            let finest = third.get(&key).map(|observed| (*observed).clone());
+            let both = [one.outcome.as_ref().ok()?, *second.get(&key)?];
+            let finest = third.get(&key).copied();
             // A sample of two campaigns counts once.
-            known.insert(key, ()).is_none().then_some(LevelPair { sample, working, finer, finest })
+            known.insert(key).then_some((&one.sample[..], both, finest))
         };
-        let pairs: Vec<LevelPair> = working.iter().filter_map(pair).collect();
-        Self::new(&pairs, pairs.first()?.working.histories.len(), PairedModel::of(scene))
+        let pairs: Vec<LevelPair<'_>> = working.iter().filter_map(&mut pair).collect();
+        let (_, [first, _], _) = pairs.first()?;
+        Self::new(&pairs, first.histories.len(), PairedModel::of(scene))
     }
 
     /// The corrected result of an evaluation at values of the variables `(d,)` [SI]; responses that were derived from its outputs are left
@@ -158,7 +136,7 @@ impl Correction {
         errors.truncate(outputs);
         start.truncate(outputs);
         let mut rough = Vec::with_capacity(outputs);
-        for (output, OutputCorrection { difference, has_start }) in self.outputs.iter().enumerate() {
+        for (output, (difference, has_start)) in self.outputs.iter().enumerate() {
             let shift = usize::from(*has_start);
             for (n, (value, error)) in histories[output].iter_mut().zip(&mut errors[output]).enumerate() {
                 let stated = if adds { *error } else { 0.0 };
@@ -190,84 +168,55 @@ impl Correction {
         stored.into_iter().map(correct).collect()
     }
 
-    /// The difference of an output at its `n`th checkpoint, without what remains of the finer level: form and order of convergence in words,
-    /// value, 1.96 standard deviations of the correction, and roughness, at the value `at` [unit of the output] and the first pair, that of
-    /// the nominal point.
-    pub(super) fn figures(&self, output: usize, n: usize, at: f64) -> LevelFigures {
-        let OutputCorrection { difference, has_start } = &self.outputs[output];
+    /// The difference of an output at its `n`th checkpoint, at the value `at` and the first pair, that of the nominal point, and the 95 %
+    /// reaches of the parts of its error that more pairs, and more points at the third level, reduce [unit of the output].
+    pub(super) fn reaches(&self, output: usize, n: usize, at: f64) -> (f64, [f64; 2]) {
+        let (difference, has_start) = &self.outputs[output];
         let n = n + usize::from(*has_start);
-        LevelFigures {
-            form: difference.form(),
-            correction: difference.at(n, at, &self.first),
-            of_pairs: REACH * difference.std_of_pairs(n, at),
-            of_thirds: REACH * difference.std_of_thirds(n, at),
-            error: REACH * difference.std_at(n, at),
-            rough: difference.rough(n),
-            order: difference.remainders[n].order,
+        let scatter = [difference.std_of_pairs(n, at), difference.std_of_thirds(n, at)];
+        (difference.at(n, at, &self.first), scatter.map(|std| REACH * std))
+    }
+
+    /// The difference at the threshold of a limit state and its `n`th checkpoint, in shares of the threshold, with 1.96 standard deviations
+    /// of the correction, and roughness.
+    fn row(&self, scene: &Scene, limit: &LimitState, n: usize) -> DifferenceRow {
+        let (difference, has_start) = &self.outputs[limit.output];
+        let (k, at) = (n + usize::from(*has_start), limit.threshold);
+        let share = |value: f64| if at == 0.0 { value } else { value / at.abs() };
+        DifferenceRow {
+            limit_state: limit.name.clone(),
+            cycles: scene.life.checkpoints()[n],
+            form: difference.form().to_owned(),
+            correction: share(difference.at(k, at, &self.first)),
+            error: share(REACH * difference.std_at(k, at)),
+            rough: share(difference.rough(k)),
+            order: difference.remainders[k].order,
         }
     }
 }
 
-/// What the pairs say of an output at a checkpoint.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct LevelFigures {
-    /// Form of the difference.
-    pub form: &'static str,
-    /// What is added to a result [unit of the output].
-    pub correction: f64,
-    /// 95 % reach of the part of its error that more pairs reduce [unit of the output].
-    pub of_pairs: f64,
-    /// 95 % reach of the part that more points at the third level reduce [unit of the output].
-    pub of_thirds: f64,
-    /// 95 % reach of its error [unit of the output].
-    pub error: f64,
-    /// Spread from point to point [unit of the output].
-    pub rough: f64,
-    /// Observed order of convergence [1].
-    pub order: Option<f64>,
-}
-
-/// What the pairs of a study gave.
-#[derive(Debug)]
-pub(super) struct PairsResult {
-    pub(super) correction: Option<Correction>,
-    /// Simulations at finer levels, failed ones included.
-    pub(super) evaluations: usize,
-    /// Those without a result.
-    pub(super) failed: usize,
-}
-
-impl PairsResult {
-    /// Adds the levels and their differences at the `n`th checkpoint to the summary.
-    pub fn add_to(&self, summary: &mut StudySummary, scene: &Scene, settings: &Settings, n: usize) {
-        let finer = settings.finer_levels(scene);
-        if finer.is_empty() {
-            return;
-        }
-        let correction = self.correction.as_ref();
-        let row = |limit: &LimitState| {
-            let figures = correction?.figures(limit.output, n, limit.threshold);
-            let share =
-                |value: f64| if limit.threshold == 0.0 { value } else { value / limit.threshold.abs() };
-            Some(DifferenceRow {
-                limit_state: limit.name.clone(),
-                cycles: scene.life.checkpoints()[n],
-                form: figures.form.to_owned(),
-                correction: share(figures.correction),
-                error: share(figures.error),
-                rough: share(figures.rough),
-                order: figures.order,
-            })
-        };
-        let working = &settings.accuracy.setting;
-        summary.evaluations.total += self.evaluations;
-        summary.evaluations.failed += self.failed;
-        summary.levels = Some(LevelsRow {
-            names: std::iter::once(working).chain(&finer).map(|level| level.name.clone()).collect(),
-            pairs: correction.map_or([0; 2], |correction| [correction.pairs, correction.thirds]),
-            evaluations: self.evaluations,
-            failed: self.failed,
-            differences: scene.limit_states.iter().filter_map(row).collect(),
-        });
+/// Adds the levels and their differences at the `n`th checkpoint to the summary, and the simulations at finer levels with those of them
+/// that failed.
+pub(super) fn add_levels(
+    summary: &mut StudySummary,
+    scene: &Scene,
+    settings: &Settings,
+    n: usize,
+    (correction, [evaluations, failed]): (Option<&Correction>, [usize; 2]),
+) {
+    let finer = settings.finer_levels(scene);
+    if finer.is_empty() {
+        return;
     }
+    let row = |limit: &LimitState| Some(correction?.row(scene, limit, n));
+    let working = &settings.accuracy.setting;
+    summary.evaluations.total += evaluations;
+    summary.evaluations.failed += failed;
+    summary.levels = Some(LevelsRow {
+        names: std::iter::once(working).chain(&finer).map(|level| level.name.clone()).collect(),
+        pairs: correction.map_or([0; 2], |correction| [correction.pairs, correction.thirds]),
+        evaluations,
+        failed,
+        differences: scene.limit_states.iter().filter_map(row).collect(),
+    });
 }

@@ -6,7 +6,6 @@ use super::interim::InterimResult;
 use super::learner::{Learner, LearnerStep, run_learner};
 use super::plan::ResponseLayout;
 use super::result;
-use super::run_times::RunTimes;
 use super::{CampaignError, Correction, Observed, ObservedOutcome, SampleRequest, Step, StudyError};
 use crate::farm::evaluate::{Demand, EvaluateError, Evaluator, Finished, Request, RequestSource};
 use crate::results::journal::Journal;
@@ -16,9 +15,12 @@ use crate::results::timing::{Timing, WorkerShare};
 use common::accuracy::Accuracy;
 use common::evaluation_shape::EvaluationShape;
 use common::scene::Scene;
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
-use std::time::Instant;
+use std::time::{Duration, Instant};
+
+/// Shortest time between two notes of the times in the journal: a killed run loses no more of its time than this.
+const NOTE_EVERY: Duration = Duration::from_secs(5);
 
 /// A chunk of samples and the outcomes received so far.
 struct Chunk {
@@ -30,14 +32,8 @@ struct Chunk {
     outcomes: Vec<Option<ObservedOutcome>>,
 }
 
-/// Evaluates the samples of a learner, each under the next request number.
+/// Evaluates the samples of a learner, each under the next request number: scene, journal, observer and counters of a study.
 pub(super) struct Dispatcher<'a> {
-    evaluator: &'a mut dyn Evaluator,
-    record: Record<'a>,
-}
-
-/// The scene of a study, its journal, observer and counters.
-struct Record<'a> {
     scene: &'a Scene,
     responses: ResponseLayout,
     /// Correction of the outcomes by finer levels.
@@ -48,17 +44,29 @@ struct Record<'a> {
     shape: EvaluationShape,
     /// Accuracy for the repetition of failed samples; `None` if nothing is repeated.
     stricter: Option<Accuracy>,
-    /// Accuracies of the finer levels, from level 1 on.
-    finer: Vec<Accuracy>,
+    /// Accuracies of the finer levels, from level 1 on; none unless they are given.
+    pub finer: Vec<Accuracy>,
     /// Bound on the evaluations, for the observer.
     budget: usize,
     journal: &'a mut dyn Journal,
-    observer: &'a mut dyn Observer,
+    pub observer: &'a mut dyn Observer,
     next_id: u64,
     done: usize,
     /// Evaluations and their time by worker name.
     shares: BTreeMap<String, WorkerShare>,
-    times: RunTimes,
+    started: Instant,
+    /// Time of the last note of the times in the journal.
+    noted: Instant,
+    /// Time the learner took.
+    learner: Duration,
+    /// Time in which no evaluation was under way.
+    idle: Duration,
+    /// Times of the runs before this one.
+    earlier: Timing,
+    /// Number of slots.
+    slots: u32,
+    /// Workers that simulated in this run.
+    workers: BTreeSet<String>,
 }
 
 impl<'a> Dispatcher<'a> {
@@ -68,11 +76,10 @@ impl<'a> Dispatcher<'a> {
         scene: &'a Scene,
         stricter: Option<Accuracy>,
         budget: usize,
-        evaluator: &'a mut dyn Evaluator,
         journal: &'a mut dyn Journal,
         observer: &'a mut dyn Observer,
     ) -> Self {
-        let record = Record {
+        Self {
             scene,
             responses: ResponseLayout::from_scene(scene),
             correction: None,
@@ -87,22 +94,21 @@ impl<'a> Dispatcher<'a> {
             next_id: 0,
             done: 0,
             shares: BTreeMap::new(),
-            times: RunTimes::start(evaluator.concurrency()),
-        };
-        Self { evaluator, record }
+            started: Instant::now(),
+            noted: Instant::now(),
+            learner: Duration::ZERO,
+            idle: Duration::ZERO,
+            earlier: Timing::default(),
+            slots: 0,
+            workers: BTreeSet::new(),
+        }
     }
 
     /// Numbers the requests from `first` on, after evaluations that exist, and corrects all outcomes at the working accuracy by the
     /// difference of the levels, if one is known.
     pub fn going_on(mut self, first: u64, correction: Option<&'a Correction>) -> Self {
-        (self.record.next_id, self.record.done) = (first, first as usize);
-        self.record.correction = correction;
-        self
-    }
-
-    /// Evaluates requests of level k >= 1 at the accuracy `finer[k - 1]`.
-    pub fn with_finer(mut self, finer: Vec<Accuracy>) -> Self {
-        self.record.finer = finer;
+        (self.next_id, self.done) = (first, first as usize);
+        self.correction = correction;
         self
     }
 
@@ -110,15 +116,19 @@ impl<'a> Dispatcher<'a> {
     ///
     /// # Errors
     /// [`StudyError`]; finished evaluations are in the journal by then.
-    pub fn run(&mut self, learner: &mut dyn Learner) -> Result<(), StudyError> {
-        let Self { evaluator, record } = self;
-        record.times.earlier = record.journal.times()?;
+    pub fn run(
+        &mut self,
+        evaluator: &mut dyn Evaluator,
+        learner: &mut dyn Learner,
+    ) -> Result<(), StudyError> {
+        self.slots = evaluator.concurrency();
+        self.earlier = self.journal.times()?;
         let (outcomes, recorded) = channel();
         let (sender, steps) = channel();
         let ended = std::thread::scope(|scope| {
             scope.spawn(move || run_learner(learner, &recorded, &sender));
             let mut study = StudyRequests {
-                record: &mut *record,
+                dispatcher: &mut *self,
                 chunks: VecDeque::new(),
                 requests: BTreeMap::new(),
                 steps,
@@ -138,7 +148,7 @@ impl<'a> Dispatcher<'a> {
                 None => Ok(()),
             }
         });
-        let noted = record.note_times(true);
+        let noted = self.note_times(true);
         ended?;
         Ok(noted?)
     }
@@ -148,32 +158,32 @@ impl<'a> Dispatcher<'a> {
     /// # Errors
     /// [`StudyError::Evaluate`].
     pub fn end(&mut self) -> Result<(), StudyError> {
-        self.record.note_times(true)?;
-        Ok(self.record.journal.ended(self.record.next_id)?)
-    }
-
-    /// Passes a notice to the observer.
-    pub fn notice(&mut self, progress: &Progress) {
-        self.record.observer.notice(progress);
+        self.note_times(true)?;
+        Ok(self.journal.ended(self.next_id)?)
     }
 
     /// Times of the study so far, its earlier runs included.
     pub fn timing(&self) -> Timing {
-        self.record.times.study(self.record.simulation_seconds())
+        self.earlier.with_run(&Timing {
+            total: self.started.elapsed().as_secs_f64(),
+            simulation: self.shares.values().map(|share| share.simulation_s).sum(),
+            surrogate: self.learner.as_secs_f64(),
+            idle: self.idle.as_secs_f64() * f64::from(self.slots),
+            runs: 1,
+            workers: u32::try_from(self.workers.len()).unwrap_or(u32::MAX),
+        })
     }
 
     /// Evaluations and simulation time by worker, in the order of the names.
     pub fn shares(&self) -> Vec<WorkerShare> {
-        self.record.shares.values().cloned().collect()
+        self.shares.values().cloned().collect()
     }
-}
 
-impl Record<'_> {
     /// Makes outcomes durable and notifies the observer.
     fn store(&mut self, outcomes: &[(Request, Finished)]) -> Result<(), EvaluateError> {
         self.journal.record_all(outcomes)?;
         for (_, finished) in outcomes {
-            self.times.add_worker(&finished.worker);
+            self.workers.insert(finished.worker.clone());
             self.note_evaluated(finished, false);
         }
         self.note_times(false)
@@ -188,13 +198,12 @@ impl Record<'_> {
 
     /// Notes the times of the study in the journal, if it is time to or if the run ends.
     fn note_times(&mut self, ends: bool) -> Result<(), EvaluateError> {
-        let simulation = self.simulation_seconds();
-        self.times.note(self.journal, simulation, ends)
-    }
-
-    /// Sum of the simulations' own times [s].
-    fn simulation_seconds(&self) -> f64 {
-        self.shares.values().map(|share| share.simulation_s).sum()
+        if !ends && self.noted.elapsed() < NOTE_EVERY {
+            return Ok(());
+        }
+        self.noted = Instant::now();
+        let timing = self.timing();
+        self.journal.note_times(&timing)
     }
 
     /// Notifies the observer of the interim reliability.
@@ -222,7 +231,7 @@ impl Record<'_> {
 
 /// A study in progress, between the learner thread and the evaluator.
 struct StudyRequests<'s, 'a> {
-    record: &'s mut Record<'a>,
+    dispatcher: &'s mut Dispatcher<'a>,
     /// Chunks that have not been returned to the learner, the oldest first.
     chunks: VecDeque<Chunk>,
     /// Requests under way.
@@ -242,7 +251,7 @@ impl RequestSource for StudyRequests<'_, '_> {
         // With nothing under way the workers wait for the learner.
         let since = std::mem::replace(&mut self.polled, Instant::now());
         if self.requests.is_empty() {
-            self.record.times.idle += since.elapsed();
+            self.dispatcher.idle += since.elapsed();
         }
         self.take_steps().map_err(|error| self.fail(error))
     }
@@ -259,9 +268,9 @@ impl RequestSource for StudyRequests<'_, '_> {
             };
             outcomes.push((request, finished));
         }
-        let checked = outcomes.iter().try_for_each(|(_, finished)| check(finished, &self.record.shape));
+        let checked = outcomes.iter().try_for_each(|(_, finished)| check(finished, &self.dispatcher.shape));
         checked.map_err(|error| self.fail(error))?;
-        self.record.store(&outcomes)?;
+        self.dispatcher.store(&outcomes)?;
         self.polled = Instant::now();
         outcomes.into_iter().for_each(|(_, finished)| self.settle(finished));
         Ok(())
@@ -282,12 +291,12 @@ impl StudyRequests<'_, '_> {
             match self.steps.try_recv() {
                 Ok(answer) => {
                     let LearnerStep { step, purpose, rounds, interim, constant, took } =
-                        answer.map_err(|error| StudyError::from_campaign(error, self.record.scene))?;
-                    self.record.times.learner += took;
-                    self.record.note_rounds(rounds)?;
-                    constant.into_iter().for_each(|mode| self.record.note_constant(mode));
+                        answer.map_err(|error| StudyError::from_campaign(error, self.dispatcher.scene))?;
+                    self.dispatcher.learner += took;
+                    self.dispatcher.note_rounds(rounds)?;
+                    constant.into_iter().for_each(|mode| self.dispatcher.note_constant(mode));
                     if let Some(interim) = interim {
-                        self.record.note_interim(&interim);
+                        self.dispatcher.note_interim(&interim);
                     }
                     match step {
                         Step::Done => return Ok(Demand::End),
@@ -322,14 +331,14 @@ impl StudyRequests<'_, '_> {
     fn settle(&mut self, finished: Finished) {
         let name = &finished.worker;
         let unused = || WorkerShare { name: name.clone(), evaluations: 0, simulation_s: 0.0 };
-        let share = self.record.shares.entry(name.clone()).or_insert_with(unused);
+        let share = self.dispatcher.shares.entry(name.clone()).or_insert_with(unused);
         share.evaluations += 1;
         share.simulation_s += finished.wall;
         let id = finished.id;
         let chunk = self.chunks.iter_mut().rev().find(|chunk| chunk.first <= id);
         let chunk = chunk.expect("every request has a chunk");
         let place = (id - chunk.first) as usize;
-        let Record { responses, correction, .. } = &*self.record;
+        let Dispatcher { responses, correction, .. } = &*self.dispatcher;
         let observed = |found| {
             let observed = Observed::from_evaluation(found).by(id, &finished.worker);
             responses.complete(match correction {
@@ -342,22 +351,22 @@ impl StudyRequests<'_, '_> {
 
     /// Numbers the samples of a chunk, takes the finished ones from the campaign file, and returns the others.
     fn begin(&mut self, wanted: Vec<SampleRequest>, purpose: &str) -> Result<Vec<Request>, StudyError> {
-        let (first, size) = (self.record.next_id, wanted.len());
-        self.record.next_id += size as u64;
+        let (first, size) = (self.dispatcher.next_id, wanted.len());
+        self.dispatcher.next_id += size as u64;
         let samples = wanted.iter().map(|wanted| wanted.sample.clone()).collect();
         self.chunks.push_back(Chunk { first, samples, outcomes: vec![None; size] });
         let mut missing = Vec::new();
         for (id, wanted) in (first..).zip(wanted) {
             let SampleRequest { sample, stricter, level, not_by } = wanted;
             let accuracy = match usize::from(level) {
-                0 => self.record.stricter.filter(|_| stricter),
-                level => self.record.finer.get(level - 1).copied(),
+                0 => self.dispatcher.stricter.filter(|_| stricter),
+                level => self.dispatcher.finer.get(level - 1).copied(),
             };
             let with_first_cycle = id == 0 || (id == 1 && stricter); // The nominal point, or its repetition.
             let request = Request { id, sample, with_first_cycle, accuracy, level, not_by };
-            match recalled(self.record.journal, &request, &self.record.shape)? {
+            match recalled(self.dispatcher.journal, &request, &self.dispatcher.shape)? {
                 Some(finished) => {
-                    self.record.note_evaluated(&finished, true);
+                    self.dispatcher.note_evaluated(&finished, true);
                     self.settle(finished);
                 }
                 None => {
@@ -366,9 +375,9 @@ impl StudyRequests<'_, '_> {
                 }
             }
         }
-        self.record.observer.notice(&Progress::BatchStarted {
-            planned: self.record.next_id as usize,
-            budget: self.record.budget,
+        self.dispatcher.observer.notice(&Progress::BatchStarted {
+            planned: self.dispatcher.next_id as usize,
+            budget: self.dispatcher.budget,
             purpose: purpose.to_owned(),
         });
         Ok(missing)

@@ -17,8 +17,8 @@ impl Campaign {
         if numbers.is_empty() {
             return vec![];
         }
-        let round = u32::try_from(self.progress.rounds.len()).unwrap_or(u32::MAX);
-        let assessment = self.progress.assessment.as_mut().expect("all outcomes have been assessed");
+        let round = u32::try_from(self.rounds.len()).unwrap_or(u32::MAX);
+        let assessment = self.assessment.as_mut().expect("all outcomes have been assessed");
         let Self { classified, requests, data, problem, plan, .. } = self;
         let failed = assessment.governing_failed();
         let barred = assessment.feasibility.barred_share(classified.unconditional());

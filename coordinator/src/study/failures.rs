@@ -144,12 +144,11 @@ impl Feasibility {
         if self.failed.ncols() == 0 {
             return vec![];
         }
-        let starts: Vec<usize> = (0..population.len()).step_by(BLOCK).collect();
         let of_block = |start: usize| {
             let columns = population.columns(start..population.len().min(start + BLOCK));
             self.probability(columns).into_iter().map(|p| p < 1.0 - probability).collect::<Vec<bool>>()
         };
-        starts.into_par_iter().flat_map_iter(of_block).collect()
+        (0..population.len()).into_par_iter().step_by(BLOCK).flat_map_iter(of_block).collect()
     }
 }
 

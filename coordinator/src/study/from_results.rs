@@ -6,20 +6,29 @@
 //! keep the coordinates of the study ([`InputModel::standardised_as`]), so that the bounds of the correlation lengths are
 //! those of its surrogates.
 //!
+//! A variant of the model is a finished study with the same variables, outputs and limits and another choice of the model, e.g. its
+//! contact law. Some of the samples of the study are simulated once more by the variant, chosen like those of the pairs of finer levels;
+//! the differences, a constant or a line over the value, shift all results, from which the variant is learned like the study itself. The
+//! correction of the study to finer levels is that of the variant, too. Spread and error of the differences are in its intervals.
+//!
+//! Samples that no campaign of a study has requested are looked up in the journal first, and recorded there.
+//!
 //! [`InputModel::standardised_as`]: crate::statistics::design::InputModel::standardised_as
 
 use super::dispatching::Dispatcher;
+use super::learner::Learner;
 use super::outliers::decided;
 use super::pairs::PairedCampaign;
 use super::plan::{Plan, Problem, ResponseLayout};
+use super::requests::bits;
 use super::result::curves_from_learning;
 use super::{
-    Campaign, CampaignError, CampaignResult, Correction, Method, ObservedOutcome, Settings, StoredOutcome,
-    StudyError, StudyResult, Surrogate,
+    Campaign, CampaignError, CampaignResult, Correction, Method, ObservedOutcome, SampleRequest, Settings,
+    Step, StoredOutcome, StudyError, StudyResult, Surrogate,
 };
 use crate::farm::evaluate::Evaluator;
 use crate::results::journal::Journal;
-use crate::results::progress::Observer;
+use crate::results::progress::{Observer, Silent};
 use crate::results::summary::Timing;
 use crate::statistics::learning::{StoppingTargets, is_settled};
 use crate::statistics::surrogate::Effort;
@@ -53,7 +62,6 @@ impl Campaign {
     ) -> Self {
         let mut campaign = Self::new(problem, plan);
         let outcomes: Vec<(Vec<f64>, ObservedOutcome)> = outcomes.into_iter().collect();
-        let bits = |sample: &[f64]| sample.iter().map(|x| x.to_bits()).collect::<Vec<u64>>();
         // The evaluations of each sample with a result, from that on: outliers have several.
         let mut results: HashMap<Vec<u64>, Vec<ObservedOutcome>> = HashMap::new();
         for (sample, outcome) in &outcomes {
@@ -106,8 +114,7 @@ impl Campaign {
     /// between 0 and 1 at checkpoints outside of those of the round, where no error is estimated: the round took the
     /// checkpoints from the results, and the population may fail earlier or later.
     pub(super) fn assess_missing_checkpoints(&mut self) -> Result<(), CampaignError> {
-        let Some(assessment) = self.progress.assessment.as_ref().filter(|_| self.progress.rounds.len() == 1)
-        else {
+        let Some(assessment) = self.assessment.as_ref().filter(|_| self.rounds.len() == 1) else {
             return Ok(());
         };
         let (first, last) = (assessment.grid[0], assessment.grid[assessment.grid.len() - 1]);
@@ -118,7 +125,7 @@ impl Campaign {
         self.surrogates.require_fit();
         let (assessment, _) = self.assess_until_fresh()?;
         self.add_round(&assessment);
-        self.progress.assessment = Some(assessment);
+        self.assessment = Some(assessment);
         Ok(())
     }
 }
@@ -235,10 +242,107 @@ impl FurtherLearning<'_> {
         let campaign = campaign_from_results(changed, studied, settings, stored, further);
         let mut campaign = PairedCampaign::new(changed, campaign, 0);
         let stricter = Settings { method: Method::ActiveLearning, ..settings.clone() }.stricter(changed);
-        Dispatcher::new(changed, stricter, stored.len() + further, evaluator, journal, observer)
+        Dispatcher::new(changed, stricter, stored.len() + further, journal, observer)
             .going_on(stored.len() as u64, correction)
-            .run(&mut campaign)?;
-        let (learned, _) = campaign.finish().expect("a campaign that is done has a result");
+            .run(evaluator, &mut campaign)?;
+        let (learned, ..) = campaign.finish().expect("a campaign that is done has a result");
         Ok(learned)
     }
+}
+
+/// Level of the first variant: those before it are levels of accuracy.
+pub const FIRST_VARIANT: u8 = 16;
+
+/// A finished study, as far as its variants need it.
+#[derive(Debug, Clone, Copy)]
+pub struct StudyOfVariants<'a> {
+    /// Scene of the study.
+    pub scene: &'a Scene,
+    /// Settings of the study; `samples` is the size of the population.
+    pub settings: &'a Settings,
+    /// Outcomes of all simulations, corrected where a correction is known.
+    pub stored: &'a [StoredOutcome],
+    /// The correction to finer levels.
+    pub correction: Option<&'a Correction>,
+}
+
+/// A variant learned from pairs: its result, `None` if too few pairs gave one; simulations of the variant, and those without a result.
+pub type LearnedVariant = (Option<CampaignResult>, [usize; 2]);
+
+impl StudyOfVariants<'_> {
+    /// The study itself from its results, in the same way as its variants.
+    ///
+    /// # Errors
+    /// [`StudyError`].
+    pub fn base(&self) -> Result<CampaignResult, StudyError> {
+        learn_from_results(self.scene, self.scene, self.settings, self.stored)
+    }
+
+    /// Learns a variant, whose simulations are made by `evaluator` and recorded in `journal` under this level.
+    ///
+    /// # Errors
+    /// [`StudyError`]; finished simulations are in the journal by then.
+    pub fn learn(
+        &self,
+        variant: &Scene,
+        level: u8,
+        evaluator: &mut dyn Evaluator,
+        journal: &mut dyn Journal,
+    ) -> Result<LearnedVariant, StudyError> {
+        let Self { scene, settings, stored, correction } = *self;
+        let campaign = campaign_from_results(scene, scene, settings, stored, 0);
+        let mut paired =
+            PairedCampaign::of_variant(scene, campaign, &complete_outcomes(scene, stored), level);
+        Dispatcher::new(variant, None, stored.len(), journal, &mut Silent)
+            .going_on(stored.len() as u64, correction)
+            .run(evaluator, &mut paired)?;
+        let (shift, evaluations) = paired.of_pairs();
+        let shifted = shift.map(|shift| shift.correct_all(stored.to_vec()));
+        let learned = shifted.map(|shifted| learn_from_results(scene, scene, settings, &shifted));
+        Ok((learned.transpose()?, evaluations))
+    }
+}
+
+/// A learner whose samples are given.
+struct GivenSamples<'a> {
+    /// The samples, until they are requested.
+    samples: Option<&'a [SampleRequest]>,
+    /// Their outcomes, once they are known.
+    outcomes: Option<Vec<ObservedOutcome>>,
+}
+
+impl Learner for GivenSamples<'_> {
+    fn next_step(&mut self) -> Result<Step, CampaignError> {
+        let waits = if self.outcomes.is_some() { Step::Done } else { Step::Wait };
+        Ok(self.samples.take().map_or(waits, |samples| Step::Evaluate(samples.to_vec())))
+    }
+
+    fn record(&mut self, outcomes: Vec<ObservedOutcome>) -> Result<(), CampaignError> {
+        self.outcomes = Some(outcomes);
+        Ok(())
+    }
+
+    fn purpose(&self) -> String {
+        "given samples".to_owned()
+    }
+}
+
+/// Outcomes of the requests in their order, complete in the sense of [`complete_outcomes`]. Requests are numbered
+/// from `first` on; what the journal holds is not simulated again. Results are corrected where a `correction` is known.
+///
+/// # Errors
+/// [`StudyError`]; finished simulations are in the journal by then.
+pub fn simulate_samples(
+    scene: &Scene,
+    settings: &Settings,
+    requests: &[SampleRequest],
+    (first, correction): (u64, Option<&Correction>),
+    evaluator: &mut dyn Evaluator,
+    journal: &mut dyn Journal,
+) -> Result<Vec<ObservedOutcome>, StudyError> {
+    let mut given = GivenSamples { samples: Some(requests), outcomes: None };
+    Dispatcher::new(scene, settings.stricter(scene), requests.len(), journal, &mut Silent)
+        .going_on(first, correction)
+        .run(evaluator, &mut given)?;
+    Ok(given.outcomes.unwrap_or_default())
 }

@@ -12,13 +12,12 @@
 //! Straub, Papaioannou (2015), Bayesian updating with structural reliability methods, Journal of Engineering Mechanics
 //! 141(3), for likelihoods by a surrogate; the persistent deviation is this project's own, see `deviation.rs`.
 
-use super::observations::Sides;
 use super::plan::ResponseLayout;
-use super::{CampaignResult, Surrogate};
+use super::{CampaignResult, Observations, Surrogate};
 use crate::statistics::design::InputModel;
 use crate::statistics::learning::{Classification, Mode};
-use crate::statistics::reliability::{ErrorLine, Track};
-use crate::statistics::surrogate::{ExplicitMean, Kriging};
+use crate::statistics::reliability::{ErrorLine, PredictedHistory};
+use crate::statistics::surrogate::ExplicitMean;
 use common::scene::{Fails, LimitState, Scene};
 use faer::{Mat, MatRef};
 use rayon::prelude::*;
@@ -30,26 +29,21 @@ const BLOCK: usize = 512;
 /// Predictor of lives and responses of single points.
 #[derive(Debug)]
 pub struct LifeModel {
-    inputs: InputModel,
+    /// The random variables.
+    pub inputs: InputModel,
     /// Smallest and largest simulated value of each random variable, standardised `(d,)` [1].
     simulated: Vec<(f64, f64)>,
     /// Checkpoints `(m,)` [cycles].
-    pub(super) times: Vec<f64>,
-    pub(super) modes: Vec<ModeModel>,
+    times: Vec<f64>,
+    /// The running maxima of the responses of the limit states, with their thresholds [unit of the output].
+    modes: Vec<(PredictedHistory, f64)>,
     outputs: Vec<OutputModel>,
-}
-
-/// The running maximum of the response of one limit state.
-#[derive(Debug)]
-pub(super) struct ModeModel {
-    pub history: History,
-    pub threshold: f64,
 }
 
 /// One output of the scene.
 #[derive(Debug)]
 struct OutputModel {
-    history: History,
+    history: PredictedHistory,
     /// Limit state whose prediction has the same correlation, and index of its deviation.
     mode: usize,
     deviation: usize,
@@ -61,55 +55,45 @@ struct OutputModel {
     noise: Vec<f64>,
 }
 
-/// A surrogate of a history: its first output is the start of life, if that is known, the others are the checkpoints.
-#[derive(Debug)]
-pub(super) struct History {
-    pub model: Kriging,
-    dual: Mat<f64>,
-    /// Predicted standard deviations where the variance factor is 1 [unit of the output].
-    pub scale: Vec<f64>,
-    pub has_start: bool,
+/// The history with values `(n, m)` at the checkpoints and, where they are known, at the start of life, by the form of a surrogate.
+fn with_values(
+    surrogate: &Surrogate,
+    values: &Mat<f64>,
+    start: Option<Vec<f64>>,
+    by: f64,
+) -> PredictedHistory {
+    let mut model = surrogate.model.clone();
+    let shift = usize::from(start.is_some());
+    let value = |i: usize, n: usize| match &start {
+        Some(start) if n == 0 => start[i],
+        _ => values[(i, n - shift)],
+    };
+    model.set_values(Mat::from_fn(values.nrows(), values.ncols() + shift, value).as_ref());
+    PredictedHistory::new(model, start.is_some(), by)
 }
 
-impl History {
-    fn new(surrogate: &Surrogate, values: &Mat<f64>, start: Option<Vec<f64>>, inflation: f64) -> Self {
-        let mut model = surrogate.model.clone();
-        let shift = usize::from(start.is_some());
-        let value = |i: usize, n: usize| match &start {
-            Some(start) if n == 0 => start[i],
-            _ => values[(i, n - shift)],
-        };
-        model.set_values(Mat::from_fn(values.nrows(), values.ncols() + shift, value).as_ref());
-        Self::of_model(model, start.is_some(), inflation)
-    }
-
-    /// The history of a distance from a middle by its two sides.
-    fn of_sides(surrogate: &Surrogate, sides: &Sides) -> Self {
-        let mut model = surrogate.model.clone();
+/// The running maximum of the response of a limit state, from the start of life where that is known. Without it the model is the one
+/// fitted, or, with `anew`, that form conditioned on all values at once.
+pub(super) fn history_of_mode(
+    surrogate: &Surrogate,
+    observations: &Observations,
+    output: usize,
+    anew: bool,
+) -> PredictedHistory {
+    let inflation = surrogate.inflation();
+    let mut model = surrogate.model.clone();
+    if let Some(sides) = observations.sides(output) {
         let with_start = sides.with_start();
-        model.set_sides(with_start.as_ref().unwrap_or(&sides.values).as_ref());
-        Self::of_model(model, with_start.is_some(), surrogate.inflation())
-    }
-
-    fn of_model(model: Kriging, has_start: bool, inflation: f64) -> Self {
-        Self {
-            dual: model.dual(),
-            scale: model.sigma2().iter().map(|s| (s * inflation).sqrt()).collect(),
-            has_start,
-            model,
+        if let Some(values) = with_start.as_ref().or(anew.then_some(&sides.values)) {
+            model.set_sides(values.as_ref());
         }
+        return PredictedHistory::new(model, with_start.is_some(), inflation);
     }
-
-    /// Number of values: start and checkpoints.
-    fn len(&self) -> usize {
-        self.scale.len()
+    let start = observations.starts(output);
+    if start.is_none() && !anew {
+        return PredictedHistory::new(model, false, inflation);
     }
-
-    /// The history with mean `(len,)` and a deviation in units of [`History::scale`].
-    fn track<'a>(&self, times: &'a [f64], values: &'a [f64]) -> Track<'a> {
-        let (start, values) = if self.has_start { (Some(values[0]), &values[1..]) } else { (None, values) };
-        Track { times, values, start }
-    }
+    with_values(surrogate, &observations.running_maxima(output), start, inflation)
 }
 
 /// Lives and responses at b points.
@@ -128,15 +112,10 @@ impl LifeModel {
         let layout = ResponseLayout::from_scene(scene);
         let mode = |(s, (mode, surrogate)): (usize, (&Mode, &Surrogate))| {
             let observations = learned.observations.design_of(s);
-            let (values, start) =
-                (observations.running_maxima(mode.output), observations.starts(mode.output));
-            let history = match observations.sides(mode.output) {
-                Some(sides) => History::of_sides(surrogate, &sides),
-                None => History::new(surrogate, &values, start, surrogate.inflation()),
-            };
-            ModeModel { history, threshold: surrogate.threshold.value }
+            let history = history_of_mode(surrogate, &observations, mode.output, true);
+            (history, surrogate.threshold.value)
         };
-        let modes: Vec<ModeModel> = layout.modes.iter().zip(surrogates).enumerate().map(mode).collect();
+        let modes: Vec<_> = layout.modes.iter().zip(surrogates).enumerate().map(mode).collect();
         let mut deviations = modes.len();
         let mut output = |output: usize| {
             let watching = scene.limit_states.iter().position(|limit| limit.output == output);
@@ -149,28 +128,22 @@ impl LifeModel {
                 Some(_) => surrogate.inflation(),
                 None => own_inflation(surrogate, &values),
             };
-            let history = History::new(surrogate, &values, observations.starts(output), inflation);
-            let noise = history.model.correlation().noise();
+            let history = with_values(surrogate, &values, observations.starts(output), inflation);
+            let noise = history.model.correlation.noise();
             let first = usize::from(history.has_start);
             OutputModel {
                 mode,
                 deviation,
                 limit: watching.map(|s| scene.limit_states[s].clone()),
                 errors: ErrorLine::by_checkpoint(values.as_ref(), observations.errors(output).as_ref()),
-                noise: history.model.sigma2()[first..].iter().map(|s| (s * noise).sqrt()).collect(),
+                noise: history.model.sigma2[first..].iter().map(|s| (s * noise).sqrt()).collect(),
                 history,
             }
         };
         let outputs = (0..scene.outputs.len()).map(&mut output).collect();
         let times = scene.life.checkpoints().into_iter().map(f64::from).collect();
-        let inputs = learned.classified.population.inputs().clone();
-        let mut simulated = vec![(f64::INFINITY, f64::NEG_INFINITY); inputs.dimension()];
-        for z in learned.observations.standardised() {
-            for (range, z) in simulated.iter_mut().zip(z) {
-                *range = (range.0.min(*z), range.1.max(*z));
-            }
-        }
-        Self { inputs, simulated, times, modes, outputs }
+        let inputs = learned.classified.population.inputs.clone();
+        Self { inputs, simulated: learned.observations.ranges(), times, modes, outputs }
     }
 
     /// The predictor for random variables with other distributions, in the same coordinates.
@@ -183,11 +156,6 @@ impl LifeModel {
     pub fn simulated_range(&self, k: usize) -> (f64, f64) {
         let (low, high) = self.simulated[k];
         (self.inputs.physical_value(k, low), self.inputs.physical_value(k, high))
-    }
-
-    /// The random variables.
-    pub fn inputs(&self) -> &InputModel {
-        &self.inputs
     }
 
     /// Number of limit states.
@@ -213,14 +181,14 @@ impl LifeModel {
     /// Lives, and histories of `wanted` outputs, at standardised points `(d, b)` with `deviations` `(b, deviations)`
     /// row-major [1].
     pub fn respond(&self, points: MatRef<'_, f64>, deviations: &[f64], wanted: &[usize]) -> LifeResponses {
-        let blocks: Vec<usize> = (0..points.ncols()).step_by(BLOCK).collect();
         let width = self.deviations();
-        let of_block = |start: &usize| {
+        let of_block = |start: usize| {
             let count = BLOCK.min(points.ncols() - start);
             let own = &deviations[start * width..(start + count) * width];
-            self.respond_block(points.subcols(*start, count), own, wanted)
+            self.respond_block(points.subcols(start, count), own, wanted)
         };
-        let parts: Vec<LifeResponses> = blocks.par_iter().map(of_block).collect();
+        let blocks = (0..points.ncols()).into_par_iter().step_by(BLOCK);
+        let parts: Vec<LifeResponses> = blocks.map(of_block).collect();
         let mut all = LifeResponses { lives: vec![], histories: wanted.iter().map(|_| vec![]).collect() };
         for part in parts {
             all.lives.extend(part.lives);
@@ -231,23 +199,24 @@ impl LifeModel {
 
     fn respond_block(&self, points: MatRef<'_, f64>, deviations: &[f64], wanted: &[usize]) -> LifeResponses {
         let (b, width) = (points.ncols(), self.deviations());
-        let predictions: Vec<_> = self.modes.iter().map(|mode| mode.history.model.predict(points)).collect();
+        let predictions: Vec<_> =
+            self.modes.iter().map(|(history, _)| history.model.predict(points)).collect();
         let std = |mode: usize, j: usize| predictions[mode].variance_factor[j].max(0.0).sqrt();
         let mut values = Vec::new();
         let mut lives = Vec::with_capacity(b * self.modes.len());
         for j in 0..b {
-            for (s, mode) in self.modes.iter().enumerate() {
+            for (s, (history, threshold)) in self.modes.iter().enumerate() {
                 let in_sigma = std(s, j) * deviations[j * width + s];
                 let mean = predictions[s].mean.col_as_slice(j);
                 values.clear();
-                values.extend(mean.iter().zip(&mode.history.scale).map(|(m, scale)| m + scale * in_sigma));
-                lives.push(self.life(mode, &values));
+                values.extend(mean.iter().zip(&history.scale).map(|(m, scale)| m + scale * in_sigma));
+                lives.push(self.life(history, *threshold, &values));
             }
         }
         let history = |output: &usize| {
             let OutputModel { history, mode, deviation, limit, .. } = &self.outputs[*output];
-            let means = history.model.predict_means(points, &history.dual, 0..history.len());
-            let mut all = Vec::with_capacity(b * history.len());
+            let means = history.model.predict_means(points, &history.dual, 0..history.scale.len());
+            let mut all = Vec::with_capacity(b * history.scale.len());
             for j in 0..b {
                 let column = means.col_as_slice(j);
                 let sign = limit.as_ref().map_or(1.0, |limit| sign_of_deviation(limit, column));
@@ -260,18 +229,18 @@ impl LifeModel {
     }
 
     /// Life of a running maximum by its limit state [cycles].
-    fn life(&self, mode: &ModeModel, values: &[f64]) -> f64 {
-        let track = mode.history.track(&self.times, values);
-        let Some(k) = track.values.iter().position(|y| *y >= mode.threshold) else { return f64::INFINITY };
+    fn life(&self, history: &PredictedHistory, threshold: f64, values: &[f64]) -> f64 {
+        let track = history.track(&self.times, values);
+        let Some(k) = track.values.iter().position(|y| *y >= threshold) else { return f64::INFINITY };
         let before = if k == 0 { 0.0 } else { self.times[k - 1] };
-        before + track.crossing(k, mode.threshold).best * (self.times[k] - before)
+        before + track.crossing(k, threshold).best * (self.times[k] - before)
     }
 
     /// Value of `output` of point `j` at a life between [`LifeModel::beginning`] and [`LifeModel::end`], from its histories
     /// `(b, values)` [unit of the output]; not a number outside.
     pub fn value_at(&self, output: usize, histories: &[f64], j: usize, life: f64) -> f64 {
         let history = &self.outputs[output].history;
-        let own = &histories[j * history.len()..(j + 1) * history.len()];
+        let own = &histories[j * history.scale.len()..(j + 1) * history.scale.len()];
         history.track(&self.times, own).value_at(life).unwrap_or(f64::NAN)
     }
 
@@ -341,36 +310,38 @@ impl ExplicitModel {
     /// The limit states of a campaign, of many simulations at fewer times.
     pub(super) fn new(scene: &Scene, learned: &CampaignResult) -> Self {
         let model = LifeModel::new(scene, learned);
-        let weights = |h: &History| h.model.points() * h.model.sides() * h.scale.len();
-        let step = 1 + model.modes.iter().map(|mode| weights(&mode.history)).sum::<usize>() / MOST_WEIGHTS;
+        let weights = |h: &PredictedHistory| h.model.points() * h.model.sides() * h.scale.len();
+        let step = 1 + model.modes.iter().map(|(history, _)| weights(history)).sum::<usize>() / MOST_WEIGHTS;
         let population = &learned.classified.population;
         let points = population.columns(0..population.len().min(POINTS));
         let modes = model.modes.iter().zip(&learned.assessment.modes).zip(&learned.assessment.surrogates);
-        let limit_state = |((mode, classified), surrogate): ((&ModeModel, &Classification), &Surrogate)| {
-            let history = &mode.history;
-            let all = history.scale.len();
-            // The end of life is among them.
-            let kept = || (0..all).filter(move |n| (all - 1 - n).is_multiple_of(step));
-            let mut times = model.times.clone();
-            times.splice(0..0, history.has_start.then_some(0.0));
-            let outputs: Vec<usize> =
-                (0..history.model.sides()).flat_map(|side| kept().map(move |n| side * all + n)).collect();
-            let mean = history.model.explicit_mean(&outputs);
-            let norm = |point: faer::ColRef<'_, f64>| -> f64 {
-                point.iter().zip(&mean.factors).map(|(z, factor)| (z * factor).powi(2)).sum()
+        let limit_state =
+            |((mode, classified), surrogate): ((&(PredictedHistory, f64), &Classification), &Surrogate)| {
+                let (history, threshold) = mode;
+                let all = history.scale.len();
+                // The end of life is among them.
+                let kept = || (0..all).filter(move |n| (all - 1 - n).is_multiple_of(step));
+                let mut times = model.times.clone();
+                times.splice(0..0, history.has_start.then_some(0.0));
+                let outputs: Vec<usize> =
+                    (0..history.model.sides()).flat_map(|side| kept().map(move |n| side * all + n)).collect();
+                let mean = history.model.explicit_mean(&outputs);
+                let norm = |point: faer::ColRef<'_, f64>| -> f64 {
+                    point.iter().zip(&mean.factors).map(|(z, factor)| (z * factor).powi(2)).sum()
+                };
+                let norms: Vec<f64> = points.col_iter().map(norm).collect();
+                let products =
+                    norms.iter().zip(&classified.variance_factor).map(|(norm, factor)| norm * factor);
+                let squares = norms.iter().map(|norm| norm * norm).sum::<f64>();
+                ExplicitLimitState {
+                    times: kept().map(|n| times[n]).collect(),
+                    std: kept().map(|n| history.scale[n]).collect(),
+                    variance: products.sum::<f64>() / squares.max(f64::MIN_POSITIVE),
+                    mean,
+                    threshold: *threshold,
+                    is_coarse: surrogate.threshold.jump > 0.0,
+                }
             };
-            let norms: Vec<f64> = points.col_iter().map(norm).collect();
-            let products = norms.iter().zip(&classified.variance_factor).map(|(norm, factor)| norm * factor);
-            let squares = norms.iter().map(|norm| norm * norm).sum::<f64>();
-            ExplicitLimitState {
-                times: kept().map(|n| times[n]).collect(),
-                std: kept().map(|n| history.scale[n]).collect(),
-                variance: products.sum::<f64>() / squares.max(f64::MIN_POSITIVE),
-                mean,
-                threshold: mode.threshold,
-                is_coarse: surrogate.threshold.jump > 0.0,
-            }
-        };
         Self {
             simulated: (0..scene.variables.len()).map(|k| model.simulated_range(k)).collect(),
             limit_states: modes.map(limit_state).collect(),

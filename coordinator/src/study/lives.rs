@@ -2,15 +2,15 @@
 //! rows in the summary.
 
 use super::interim::InterimResult;
+use super::life_model::history_of_mode;
 use super::{CampaignResult, Method, Observed, Problem};
 use crate::results::life_summary::{CyclesRange, LifeCurveRow, LifeRow, UnresolvedFall};
 use crate::results::summary::StudySummary;
 use crate::statistics::learning::Mode;
 use crate::statistics::reliability::{
-    LifeAtLevel, LifeCounts, LifeCurve, LifeCurveInput, ModeLives, PredictedMode, REACH, ResponseErrors,
-    Track, mode_lives, population_lives,
+    ErrorLine, LifeAtLevel, LifeCounts, LifeCurve, LifeCurveInput, ModeLives, PredictedMode, REACH, Track,
+    mode_lives, population_lives,
 };
-use faer::Mat;
 
 /// Reliabilities at which lives are stated.
 pub const LEVELS: [f64; 3] = [0.99, 0.9, 0.5];
@@ -30,43 +30,31 @@ impl CampaignResult {
     /// Standard errors of P_f by the stated numerical errors of the simulations, curves as in [`Self::reliability`]; `problem` is that of
     /// the campaign.
     pub fn numerical_errors(&self, problem: &Problem) -> Vec<Vec<f64>> {
-        let band = learned_lives(&problem.modes, &problem.checkpoints, self).numerical_band();
+        let [least, most] = learned_lives(&problem.modes, &problem.checkpoints, self).numerical_band();
         let scale = 0.5 * self.classified.condition.probability / REACH;
         let error = |(most, least): (&f64, &f64)| scale * (most - least).max(0.0);
         let curve = |(most, least): (&Vec<f64>, &Vec<f64>)| most.iter().zip(least).map(error).collect();
-        band.most.iter().zip(&band.least).map(curve).collect()
+        most.iter().zip(&least).map(curve).collect()
     }
 }
 
 /// Lives of the population by the surrogates of a campaign.
 pub(super) fn learned_lives(modes: &[Mode], checkpoints: &[u32], learned: &CampaignResult) -> LifeCounts {
     let as_published = learned.method == Method::AkMcs;
-    let parts = modes.iter().zip(&learned.assessment.surrogates).enumerate().map(|(s, (mode, surrogate))| {
-        let observations = learned.observations.design_of(s);
-        let values = observations.running_maxima(mode.output);
-        let mut model = surrogate.model.clone();
-        if let Some(sides) = observations.sides(mode.output) {
-            if let Some(with_start) = sides.with_start() {
-                model.set_sides(with_start.as_ref());
-            }
-        } else if let Some(start) = observations.starts(mode.output) {
-            let with_start = |i: usize, n: usize| if n == 0 { start[i] } else { values[(i, n - 1)] };
-            model.set_values(Mat::from_fn(values.nrows(), values.ncols() + 1, with_start).as_ref());
-        }
-        (model, values, observations.errors_of_running_maxima(mode.output))
-    });
-    let parts: Vec<_> = parts.collect();
     let assessed = learned.assessment.modes.iter().zip(&learned.assessment.surrogates);
-    let modes = parts.iter().zip(assessed).enumerate();
-    let modes = modes.map(|(index, ((model, values, errors), (classified, surrogate)))| PredictedMode {
-        index,
-        model,
-        inflation: surrogate.inflation(),
-        values: values.as_ref(),
-        errors: errors.as_ref(),
-        threshold: classified.threshold,
-        first_failure: &classified.first_failure,
-        variance_factor: if as_published { &[] } else { &classified.variance_factor },
+    let modes = modes.iter().zip(assessed).enumerate();
+    let modes = modes.map(|(index, (mode, (classified, surrogate)))| {
+        let observations = learned.observations.design_of(index);
+        let values = observations.running_maxima(mode.output);
+        let errors = observations.errors_of_running_maxima(mode.output);
+        PredictedMode {
+            index,
+            history: history_of_mode(surrogate, &observations, mode.output, false),
+            lines: ErrorLine::by_checkpoint(values.as_ref(), errors.as_ref()),
+            threshold: classified.threshold,
+            first_failure: &classified.first_failure,
+            variance_factor: if as_published { &[] } else { &classified.variance_factor },
+        }
     });
     population_lives(&modes.collect::<Vec<_>>(), &learned.classified.population, &times(checkpoints))
 }
@@ -87,9 +75,8 @@ pub(super) fn add_simulated(
         earliest = earliest.min(first);
         all.push(first as u32);
         let start = observed.start.get(mode.output).copied().flatten();
-        let errors = ResponseErrors { numerical: &observed.errors[mode.output], predicted: &[] };
         let track = Track { times: &times, values: &values, start };
-        mode_lives(&track, &errors, mode.threshold, first, &mut room)
+        mode_lives(&track, (&observed.errors[mode.output], &[]), mode.threshold, first, &mut room)
     };
     let all: Vec<ModeLives> = problem.modes.iter().zip(first_failures.iter_mut()).map(&mut by_mode).collect();
     lives.add(&all);

@@ -5,15 +5,14 @@
 //! simulations are left out of N, and the standard error of R contains what they may have been
 //! ([`CurvePoint::with_missing`](crate::statistics::reliability::CurvePoint::with_missing)).
 
-use super::failure_points::failure_points;
 use super::failures::{Failed, check_failures};
-use super::interim::InterimResult;
+use super::interim::{InterimResult, Untested};
 use super::learner::Learner;
 use super::lives::add_simulated;
 use super::observations::ObservedOutcome;
 use super::result::{Findings, blank, failures};
 use super::round::largest_change;
-use super::untested::Untested;
+use super::summary_rows::failure_points;
 
 use super::{CampaignError, Method, Problem, SampleRequest, SettingError, Settings, Step, StudyError};
 use crate::results::summary::{Convergence, EvaluationCounts, Round, StudySummary};
@@ -93,7 +92,7 @@ impl<'a> DirectSimulation<'a> {
     /// Counts the failure shares anew, after this number of evaluations.
     fn add_round(&mut self, evaluations: usize) {
         let (modes, points) = (self.problem.modes.len(), self.points.len());
-        let now = curves(&self.first_failures[..modes], self.problem.checkpoints.len());
+        let now = curves(&self.first_failures, self.problem.checkpoints.len());
         let system = &now[modes];
         let governing = governing_checkpoint(system);
         let failed = system[governing];

@@ -197,6 +197,17 @@ impl Observations {
         self.z.chunks_exact(self.d)
     }
 
+    /// Smallest and largest value of each standardised variable `(d,)` [1].
+    pub fn ranges(&self) -> Vec<(f64, f64)> {
+        let mut ranges = vec![(f64::INFINITY, f64::NEG_INFINITY); self.d];
+        for z in self.standardised() {
+            for (range, z) in ranges.iter_mut().zip(z) {
+                *range = (range.0.min(*z), range.1.max(*z));
+            }
+        }
+        ranges
+    }
+
     /// Standardised points as columns `(d, n)` [1].
     pub fn points(&self) -> Mat<f64> {
         Mat::from_fn(self.d, self.len(), |k, i| self.z[i * self.d + k])

@@ -14,7 +14,7 @@
 //! Own; the pairs in the place of further levels of learning as in Chaudhuri, Marques, Willcox (2021), mfEGRA: Multifidelity efficient global
 //! reliability analysis through active learning for failure boundary location, Structural and Multidisciplinary Optimization 64.
 
-use super::correction::{Correction, LevelFigures, LevelPair, PairedModel, PairsResult};
+use super::correction::{Correction, LevelPair, PairedModel};
 use super::interim::InterimResult;
 use super::learner::Learner;
 use super::{Campaign, CampaignResult, Observed, ObservedOutcome};
@@ -123,9 +123,8 @@ impl<'a> PairedCampaign<'a> {
     }
 
     /// Result of the campaign, and what the pairs gave.
-    pub fn finish(self) -> Option<(CampaignResult, PairsResult)> {
-        let [evaluations, failed] = self.counts;
-        Some((self.campaign.finish()?, PairsResult { correction: self.correction, evaluations, failed }))
+    pub fn finish(self) -> Option<(CampaignResult, Option<Correction>, [usize; 2])> {
+        Some((self.campaign.finish()?, self.correction, self.counts))
     }
 
     /// The next chunk of pairs; none if there are enough.
@@ -181,7 +180,7 @@ impl<'a> PairedCampaign<'a> {
     /// Weight of each simulation by the distance of its responses from the nearest limit, at the governing checkpoint [1].
     fn nearness(&self) -> Vec<f64> {
         let mut nearness = vec![0.0_f64; self.simulated.len()];
-        let n = self.campaign.assessment().map_or(0, |assessment| assessment.governing);
+        let n = self.campaign.assessment.as_ref().map_or(0, |assessment| assessment.governing);
         for mode in &self.campaign.problem.modes {
             let all: Vec<f64> =
                 self.simulated.iter().map(|one| one.observed.running_maximum(mode.output)[n]).collect();
@@ -198,28 +197,27 @@ impl<'a> PairedCampaign<'a> {
 
     /// The correction by the pairs so far.
     fn current(&self) -> Option<Correction> {
-        let pair = |one: &PairedPoint| {
-            let ([finer, finest], sample, working) =
-                (one.finer.clone(), one.sample.clone(), one.observed.clone());
-            Some(LevelPair { sample, working, finer: finer?, finest })
-        };
-        let pairs: Vec<LevelPair> = self.simulated.iter().filter_map(pair).collect();
+        fn pair(one: &PairedPoint) -> Option<LevelPair<'_>> {
+            let [finer, finest] = &one.finer;
+            Some((&one.sample, [&one.observed, finer.as_ref()?], finest.as_ref()))
+        }
+        let pairs: Vec<LevelPair<'_>> = self.simulated.iter().filter_map(pair).collect();
         Correction::new(&pairs, self.scene.outputs.len(), self.target)
     }
 
     /// Squares of the largest 95 % reaches [1] by which the scatter of the pairs, and of the points at the third level, moves any R(n); `None`
     /// if they need not be reduced.
     fn scatter_to_reduce(&self, correction: &Correction) -> Option<[f64; 2]> {
-        let assessment = self.campaign.assessment()?;
+        let assessment = self.campaign.assessment.as_ref()?;
         let errors = assessment.combined_errors();
         let of_surrogates = REACH * errors.iter().flatten().map(|(_, error)| *error).fold(0.0, f64::max);
         let points = self.campaign.classified.population.len();
         // Half the share of the population whose failure depends on the sign of the reaches, at the worst checkpoint.
-        let moved = |part: fn(&LevelFigures) -> f64| {
+        let moved = |part: usize| {
             let at = |(n, checkpoint): (usize, &usize)| {
                 let reach = |limit: &LimitState| {
-                    let figures = correction.figures(limit.output, *checkpoint, limit.threshold);
-                    (figures.correction, part(&figures))
+                    let (value, reaches) = correction.reaches(limit.output, *checkpoint, limit.threshold);
+                    (value, reaches[part])
                 };
                 let reaches: Vec<(f64, f64)> = self.scene.limit_states.iter().map(reach).collect();
                 let shifted = |j: &usize| {
@@ -237,7 +235,7 @@ impl<'a> PairedCampaign<'a> {
             };
             assessment.grid.iter().enumerate().map(at).fold(0.0, f64::max)
         };
-        let reaches = [|one: &LevelFigures| one.of_pairs, |one: &LevelFigures| one.of_thirds].map(moved);
+        let reaches = [0, 1].map(moved);
         let numerical = reaches[0].hypot(reaches[1]);
         let whole = numerical.hypot(of_surrogates).hypot(REACH * (0.25 / points as f64).sqrt());
         let target = self.campaign.plan.settings.target_error;
@@ -258,14 +256,14 @@ impl<'a> PairedCampaign<'a> {
         data.observations.change(|z, one| responses.complete(corrected(z, one)));
         campaign.surrogates.reset_population();
         campaign.surrogates.require_fit();
-        campaign.progress.stopping.reset(false);
+        campaign.stopping.reset(false);
         let (assessment, _) = campaign.assess_until_fresh()?;
         // The correction itself moves the curves; no round does.
         let met = campaign.plan.targets.met(&Figures { change: Some(0.0), ..assessment.figures });
         campaign.add_round(&assessment);
-        campaign.progress.assessment = Some(assessment);
-        if met.is_none() && matches!(campaign.progress.stop, Some(StopReason::Rule(_))) {
-            campaign.progress.stop = None;
+        campaign.assessment = Some(assessment);
+        if met.is_none() && matches!(campaign.stop, Some(StopReason::Rule(_))) {
+            campaign.stop = None;
             return Ok(());
         }
         self.campaign.redraw_at_the_end()
@@ -345,11 +343,11 @@ impl Learner for PairedCampaign<'_> {
     }
 
     fn rounds(&self) -> &[Round] {
-        self.campaign.rounds()
+        &self.campaign.rounds
     }
 
     fn purpose(&self) -> String {
-        match self.campaign.rounds().len() {
+        match self.campaign.rounds.len() {
             _ if !self.requested.is_empty() => "finer levels".to_owned(),
             0 if self.campaign.evaluations() == 0 => "nominal point".to_owned(),
             0 => "initial design".to_owned(),

@@ -51,7 +51,7 @@ pub(super) fn conditional_population(
     samples: usize,
     rng: &mut impl Rng,
 ) -> (Population, Condition) {
-    let (d, inputs) = (population.dimension(), population.inputs());
+    let (d, inputs) = (population.dimension(), &population.inputs);
     let standardised = |u: &[f64]| inputs.standardise(&inputs.from_independent_normals(u));
     let respond = |u: &[f64]| -> Vec<f64> {
         let block = |u: &[f64]| -> Vec<f64> {
@@ -62,7 +62,7 @@ pub(super) fn conditional_population(
                 let model = &surrogate.model;
                 let prediction = model.predict(points);
                 // In units of the spread at the end of life, so that limit states of any unit compete.
-                let sigma = model.sigma2().last().map_or(1.0, |s| s.sqrt()).max(f64::MIN_POSITIVE);
+                let sigma = model.sigma2.last().map_or(1.0, |s| s.sqrt()).max(f64::MIN_POSITIVE);
                 for (j, y) in largest.iter_mut().enumerate() {
                     let reached = prediction.mean.col(j).iter().copied().fold(f64::NEG_INFINITY, f64::max);
                     let std = prediction.variance_factor[j].sqrt();

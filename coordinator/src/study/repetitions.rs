@@ -85,7 +85,7 @@ impl Campaign {
             }
         }
         self.surrogates = SurrogateState::new(self.problem.modes.len());
-        self.progress.stopping.reset(false);
+        self.stopping.reset(false);
         self.classified.require_another_draw();
     }
 }

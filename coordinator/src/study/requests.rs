@@ -93,7 +93,7 @@ impl Requests {
             copies.for_each(|i| self.requested[i] = true);
         }
         let z = population.standardised(j).to_vec();
-        PendingSample { member: Some(j), ..PendingSample::at(z, population.inputs()) }
+        PendingSample { member: Some(j), ..PendingSample::at(z, &population.inputs) }
     }
 
     /// Registers a chunk as under way and returns the step that requests it.
@@ -146,7 +146,7 @@ impl Requests {
 }
 
 /// Bits of a standardised point `(d,)`.
-fn bits(z: &[f64]) -> Vec<u64> {
+pub(super) fn bits(z: &[f64]) -> Vec<u64> {
     z.iter().map(|z| z.to_bits()).collect()
 }
 

@@ -1,11 +1,10 @@
 //! The result of a study, from the findings of active learning or direct simulation.
 
-use super::failure_points::failure_points;
 use super::interim::InterimResult;
 use super::lives::{add_lives, learned_lives};
 use super::plan::ResponseLayout;
 use super::stopped::{stop_in_words, targets_met};
-use super::surrogate_rows::{predictions, simulations_beyond_a_limit, sobol};
+use super::summary_rows::{failure_points, predictions, simulations_beyond_a_limit, sobol};
 use super::{
     CampaignResult, ClassifiedPopulation, ExplicitModel, Failed, Outlier, Settings, StopReason, Surrogate,
 };
@@ -18,7 +17,7 @@ use crate::results::summary::{
 use crate::statistics::design::InputModel;
 use crate::statistics::reliability::{LifeCounts, OutputDistribution, predict_distributions};
 use crate::statistics::sensitivity::{Sampled, Sensitivity, sensitivities};
-use common::scene::{LimitState, Output, Scene};
+use common::scene::{LimitState, Scene};
 use std::collections::BTreeMap;
 
 /// Result of a study.
@@ -27,21 +26,10 @@ pub struct StudyResult {
     /// The summary, as written to `summary.json`.
     pub summary: StudySummary,
     /// Distributions over the population (from simulations alone with the Monte Carlo method), per output of the
-    /// scene, in its order.
-    pub distributions: Vec<OutputHistory>,
+    /// scene, in its order, and checkpoint `(outputs)(m,)`, in the output's SI unit; empty if they are not computed.
+    pub distributions: Vec<Vec<OutputDistribution>>,
     /// The surrogates as plain numbers; `None` without any.
     pub explicit: Option<ExplicitModel>,
-}
-
-/// Distribution of one output at every checkpoint.
-#[derive(Debug, Clone, PartialEq)]
-pub struct OutputHistory {
-    /// Name of the output.
-    pub output: String,
-    /// Checkpoints `(m,)` [cycles].
-    pub cycles: Vec<u32>,
-    /// Distributions `(m,)`, in the output's SI unit.
-    pub at: Vec<OutputDistribution>,
 }
 
 /// Findings of a study, from which [`Findings::result`] makes its result.
@@ -92,7 +80,7 @@ pub fn blank(scene: &Scene, settings: &Settings) -> StudySummary {
 
 /// The findings of active learning as far as reliability, lives and first failures need them.
 pub(super) fn curves_from_learning(scene: &Scene, settings: &Settings, learned: &CampaignResult) -> Findings {
-    let inputs = learned.classified.population.inputs();
+    let inputs = &learned.classified.population.inputs;
     let surrogates = scene.limit_states.iter().zip(&learned.assessment.surrogates);
     let outlier = |outlier: &Outlier| outlier.row(scene, scene.simulator.is_none());
     let summary = StudySummary {
@@ -148,7 +136,7 @@ pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &Campai
 }
 
 fn surrogate_row((limit, surrogate): (&LimitState, &Surrogate)) -> SurrogateRow {
-    let correlation = surrogate.model.correlation();
+    let correlation = &surrogate.model.correlation;
     SurrogateRow {
         limit_state: limit.name.clone(),
         q2: surrogate.leave_one_out.iter().map(|l| l.q2).fold(1.0, f64::min),
@@ -211,23 +199,16 @@ impl Findings {
             ..self.summary
         };
         add_lives(&mut summary, &self.lives, &self.shares, &names, &cycles);
-        let history = |(output, at): (&Output, Vec<OutputDistribution>)| OutputHistory {
-            output: output.name.clone(),
-            cycles: cycles.clone(),
-            at,
-        };
-        let distributions = scene.outputs.iter().zip(self.distributions).map(history).collect();
-        StudyResult { summary, distributions, explicit: self.explicit }
+        StudyResult { summary, distributions: self.distributions, explicit: self.explicit }
     }
 
     /// R(n) of every curve with its interval, the numerical error included.
     fn reliability(&self, names: &[String], cycles: &[u32]) -> Vec<ReliabilityRow> {
-        let (mut rows, numerical) = (self.shares.rows(names, cycles), self.lives.numerical_band());
+        let (mut rows, [least, most]) = (self.shares.rows(names, cycles), self.lives.numerical_band());
         let probability = self.shares.condition.probability;
         for (n, row) in rows.iter_mut().enumerate() {
             for (c, name) in names.iter().enumerate() {
-                let [lower, upper] =
-                    [&numerical.most, &numerical.least].map(|all| 1.0 - probability * all[c][n]);
+                let [lower, upper] = [&most, &least].map(|all| 1.0 - probability * all[c][n]);
                 row.add_numerical(name, ReliabilityRange { lower, upper });
             }
         }

@@ -1,14 +1,16 @@
 //! One round of learning on the results so far: fit the surrogates, classify the population, estimate the
 //! errors of the curves, and prepare the selection of the next samples.
 
-use super::surrogates::{GRID, Surrogate, fit_surrogates};
-use super::{CampaignError, Failed, Feasibility, Observations, Plan, Problem};
+use super::campaign_data::CampaignData;
+use super::requests::Requests;
+use super::surrogates::{GRID, Surrogate, SurrogateState, fit_surrogates};
+use super::{CampaignError, Feasibility, Plan, Problem};
 use crate::results::summary::Round;
 use crate::statistics::design::{Population, Stream, open_stream};
 use crate::statistics::learning::{
-    Classification, ClassifiedMode, Coupled, CurveErrors, EARLY, Figures, Gap, JointPool, Mode,
-    SURROGATE_SAFETY, Selection, UNCERTAIN, choose_pool, classify_cached, coupled_criterion, curves,
-    dominance, estimate_errors, explore, farthest, noise_shifts, sample_of_open, widest_gap, with_system,
+    Classification, ClassifiedMode, Coupled, EARLY, Figures, Gap, JointPool, Mode, SURROGATE_SAFETY,
+    Selection, UNCERTAIN, choose_pool, classify_cached, coupled_criterion, curves, dominance,
+    estimate_errors, explore, farthest, noise_shifts, sample_of_open, widest_gap, with_system,
 };
 use crate::statistics::reliability::governing_checkpoint;
 use crate::statistics::surrogate::{Effort, Kriging, PredictionCache};
@@ -36,7 +38,7 @@ pub struct Assessment {
     /// Failure shares `(modes + 1, m)` [1]: each mode, then the system.
     pub curves: Vec<Vec<f64>>,
     /// Surrogate errors of the failure shares on the grid.
-    pub errors: CurveErrors,
+    pub errors: Vec<Vec<f64>>,
     /// Shift of each failure share by the numerical noise of the simulator `(modes + 1, a)` [1]. No further
     /// simulation removes it, so it counts in the standard errors but not for stopping.
     pub noise_shift: Vec<Vec<f64>>,
@@ -67,7 +69,7 @@ impl Assessment {
     /// Index of the checkpoint by which each point of the population has failed `(modes + 1)(N,)`, the system last; m if
     /// never.
     pub fn first_failures(&self) -> Vec<Vec<u32>> {
-        with_system(self.modes.iter().map(|mode| mode.first_failure.clone()).collect())
+        first_failures(&self.modes)
     }
 
     /// Returns the point of the population with the largest predicted variance, as an index, and removes it from the
@@ -158,61 +160,43 @@ impl Assessment {
             let after = after.map(|n| (n, in_proportion(end, 1.0 - shares[n], 1.0 - shares[last])));
             before.chain(self.grid.iter().copied().zip(combined.iter().copied())).chain(after).collect()
         };
-        self.errors.by_curve.iter().zip(&self.noise_shift).zip(&self.curves).map(of_curve).collect()
+        self.errors.iter().zip(&self.noise_shift).zip(&self.curves).map(of_curve).collect()
     }
 }
 
-/// Input of one round.
-pub(super) struct RoundInput<'a> {
-    pub problem: &'a Problem,
-    pub plan: &'a Plan,
-    pub population: &'a Population,
-    /// Marks the points of the population that were requested `(N,)`.
-    pub requested: &'a [bool],
-    /// Indices of those that are under way.
-    pub under_way: &'a [usize],
-    pub observations: &'a Observations,
-    pub failed: &'a [Failed],
-    /// Surrogates of the round before, one per mode; empty in the first round.
-    pub surrogates: &'a [Surrogate],
-    /// Curves of the round before over the same population `(modes + 1, m)`.
-    pub previous: Option<&'a [Vec<f64>]>,
-    /// Number of the round.
-    pub round: u32,
-}
-
-/// Assesses the results with lengths found with the given effort. `caches` holds one cache per mode, of
-/// predictions of this population.
+/// Assesses the results in the `round`th round, with lengths found with the given effort. The `state` of the surrogates is that of the
+/// round before; its caches, one per mode, are of predictions of this population, as its curves.
 ///
 /// # Errors
 /// [`CampaignError::Surrogate`].
 pub(super) fn assess(
-    input: &RoundInput<'_>,
-    caches: &mut [PredictionCache],
-    effort: Effort,
+    (problem, plan): (&Problem, &Plan),
+    population: &Population,
+    requests: &Requests,
+    CampaignData { observations, failed, .. }: &CampaignData,
+    state: &mut SurrogateState,
+    (round, effort): (u32, Effort),
 ) -> Result<Assessment, CampaignError> {
-    let points = input.observations.points();
-    let RoundInput { problem, plan, observations, previous, .. } = *input;
-    let surrogates =
-        fit_surrogates(observations, &problem.modes, (input.surrogates, previous), (plan, effort))?;
+    let points = observations.points();
+    let previous = state.previous_curves.as_deref();
+    let surrogates = fit_surrogates(observations, &problem.modes, (&state.models, previous), (plan, effort))?;
     let grid = common_grid(&surrogates);
-    let modes = classify_modes(input, &surrogates, caches, &grid);
-    let first_failures: Vec<&[u32]> = modes.iter().map(|mode| mode.first_failure.as_slice()).collect();
-    let curves = curves(&first_failures, problem.checkpoints.len());
+    let modes = classify_modes((problem, plan), population, &surrogates, &mut state.caches, &grid);
+    let curves = curves(&first_failures(&modes), problem.checkpoints.len());
     let coupled = coupled_criterion(&modes);
-    let feasibility = Feasibility::new(points.as_ref(), input.failed);
-    let settled = feasibility.settled(input.population);
-    let closed = closed(input.requested, &settled);
+    let feasibility = Feasibility::new(points.as_ref(), failed);
+    let settled = feasibility.settled(population);
+    let closed = closed(&requests.requested, &settled);
     let least = POOL_PER_BATCH * plan.settings.batch;
-    let pool = choose_pool(&coupled, &closed, least, plan.settings.seed, input.round);
+    let pool = choose_pool(&coupled, &closed, least, plan.settings.seed, round);
     let models: Vec<&Kriging> = surrogates.iter().map(|surrogate| &surrogate.model).collect();
-    let pool = JointPool::new(pool, input.under_way, input.population, &models);
-    let mut rng = open_stream(input.plan.settings.seed, Stream::Realisations(input.round));
+    let pool = JointPool::new(pool, &requests.members_under_way(), population, &models);
+    let mut rng = open_stream(plan.settings.seed, Stream::Realisations(round));
     let errors = estimate_errors(&modes, &coupled, &pool, &mut rng);
     // The noise of the simulations, in units of the enlarged standard deviations. The surrogates have taken it off; what pairs of
     // levels show of it is known, so that the difference of the two counts.
     let noise_of = |(s, mode): (&Surrogate, &Mode)| {
-        let unexplained = s.model.correlation().noise() - s.rough_share(observations.rough(mode.output));
+        let unexplained = s.model.correlation.noise() - s.rough_share(observations.rough(mode.output));
         (unexplained.abs() / s.inflation()).sqrt()
     };
     let noise: Vec<f64> = surrogates.iter().zip(&problem.modes).map(noise_of).collect();
@@ -221,17 +205,23 @@ pub(super) fn assess(
     let governing = governing_checkpoint(&curves[curves.len() - 1]);
     let on_grid = nearest(&grid, governing);
     let has_steps = surrogates.iter().any(|surrogate| surrogate.threshold.coarse.is_some());
-    let mut figures =
-        figures_of_round(input, (&grid, &curves), (&coupled, &closed), &errors, (governing, on_grid));
-    if has_steps {
-        figures.steps = noise_shift[curves.len() - 1][on_grid];
-    }
+    let (system, failed) = (curves.len() - 1, curves[curves.len() - 1][governing]);
+    let figures = Figures {
+        points: observations.len(),
+        min_u: open_points(&coupled, &closed).map(|c| c.system).fold(f64::INFINITY, f64::min),
+        change: previous.map(|previous| largest_change(previous, &curves)),
+        error: errors.iter().flatten().copied().fold(0.0, f64::max),
+        governing_error: errors[system][on_grid],
+        governing_share: failed.min(1.0 - failed),
+        early_error: early_error((&grid, &problem.checkpoints), &curves, &errors),
+        steps: if has_steps { noise_shift[system][on_grid] } else { 0.0 },
+    };
     let uncertain = open_points(&coupled, &closed).filter(|c| c.system < UNCERTAIN).count();
     let weights: Vec<f64> = pool.members.iter().filter_map(|j| dominance(&modes, *j, on_grid)).collect();
     let (feasible, function) = (feasibility.probability(pool.points.as_ref()), plan.settings.learning);
     Ok(Assessment {
         governing,
-        share_uncertain: uncertain as f64 / input.population.len() as f64,
+        share_uncertain: uncertain as f64 / population.len() as f64,
         dominance: (!weights.is_empty()).then(|| weights.iter().sum::<f64>() / weights.len() as f64),
         repairs: surrogates.iter().map(|s| s.repairs).sum(),
         figures,
@@ -247,6 +237,10 @@ pub(super) fn assess(
     })
 }
 
+fn first_failures(modes: &[Classification]) -> Vec<Vec<u32>> {
+    with_system(modes.iter().map(|mode| mode.first_failure.clone()).collect())
+}
+
 /// Checkpoints that matter to any mode, ascending; evenly thinned to [`GRID`].
 fn common_grid(surrogates: &[Surrogate]) -> Vec<usize> {
     let mut grid: Vec<usize> = surrogates.iter().flat_map(|s| s.fitted_on.iter().copied()).collect();
@@ -260,16 +254,16 @@ fn common_grid(surrogates: &[Surrogate]) -> Vec<usize> {
 
 /// Classifies the population by every mode, through the caches as far as they fit into memory.
 fn classify_modes(
-    input: &RoundInput<'_>,
+    (problem, plan): (&Problem, &Plan),
+    population: &Population,
     surrogates: &[Surrogate],
     caches: &mut [PredictionCache],
     grid: &[usize],
 ) -> Vec<Classification> {
-    let RoundInput { problem, plan, population, .. } = *input;
     // What remains of the memory for the caches beside the population and its classification.
     let numbers_of_point = population.dimension() + problem.modes.len() * (grid.len() + 2) + OTHERS;
     let others = population.len() * numbers_of_point * size_of::<f64>();
-    let limit = plan.settings.memory_bytes().saturating_sub(others) / problem.modes.len();
+    let limit = plan.settings.memory.saturating_mul(1_000_000).saturating_sub(others) / problem.modes.len();
     let classify = |(index, (surrogate, cache)): (usize, (&Surrogate, &mut PredictionCache))| {
         cache.set_limit(limit);
         let (threshold, inflation) = (surrogate.threshold.value, surrogate.inflation());
@@ -279,31 +273,9 @@ fn classify_modes(
     surrogates.iter().zip(caches).enumerate().map(classify).collect()
 }
 
-/// The figures of the stopping rules; `governing` is the governing checkpoint and its place on the grid.
-fn figures_of_round(
-    input: &RoundInput<'_>,
-    (grid, curves): (&[usize], &[Vec<f64>]),
-    (coupled, closed): (&[Coupled], &[bool]),
-    errors: &CurveErrors,
-    (governing, on_grid): (usize, usize),
-) -> Figures {
-    let system = curves.len() - 1;
-    let failed = curves[system][governing];
-    Figures {
-        points: input.observations.len(),
-        min_u: open_points(coupled, closed).map(|c| c.system).fold(f64::INFINITY, f64::min),
-        change: input.previous.map(|previous| largest_change(previous, curves)),
-        error: errors.largest(),
-        governing_error: errors.by_curve[system][on_grid],
-        governing_share: failed.min(1.0 - failed),
-        early_error: early_error((grid, &input.problem.checkpoints), curves, errors),
-        steps: 0.0,
-    }
-}
-
 /// Largest surrogate error of a failure share over the share itself, at early lives and where it moves the life by more than
 /// [`SHORT`] of itself [1].
-fn early_error((grid, checkpoints): (&[usize], &[u32]), curves: &[Vec<f64>], errors: &CurveErrors) -> f64 {
+fn early_error((grid, checkpoints): (&[usize], &[u32]), curves: &[Vec<f64>], errors: &[Vec<f64>]) -> f64 {
     let of_curve = |(curve, errors): (&Vec<f64>, &Vec<f64>)| {
         let moves_life = |n: usize, error: f64| {
             let (before, after) = (n.saturating_sub(1), (n + 1).min(curve.len() - 1));
@@ -314,7 +286,7 @@ fn early_error((grid, checkpoints): (&[usize], &[u32]), curves: &[Vec<f64>], err
         let matters = early.filter(|(n, error)| moves_life(**n, **error));
         matters.map(|(n, error)| error / curve[*n]).fold(0.0, f64::max)
     };
-    curves.iter().zip(&errors.by_curve).map(of_curve).fold(0.0, f64::max)
+    curves.iter().zip(errors).map(of_curve).fold(0.0, f64::max)
 }
 
 /// The points of the population that are not requested any more `(N,)`: those requested before and those where it is `settled`

@@ -200,11 +200,6 @@ impl Settings {
         self.target_error.map_or_else(StoppingTargets::default, StoppingTargets::from_half_width)
     }
 
-    /// Memory for the population and its cached predictions [bytes].
-    pub(super) fn memory_bytes(&self) -> usize {
-        self.memory.saturating_mul(1_000_000)
-    }
-
     /// Points proposed together: half a batch, so that one half is simulated while the other is learned from.
     ///
     /// Chunk k + 2 is proposed from the outcomes up to chunk k and the points, not the outcomes, of chunk k + 1. This
@@ -272,9 +267,7 @@ impl Settings {
         }
         Ok(())
     }
-}
 
-impl Settings {
     /// The levels finer than the working accuracy, from the coarser to the finer: none with direct simulation, nor with a scene's own
     /// simulator that names none.
     pub fn finer_levels(&self, scene: &Scene) -> Vec<NamedAccuracy> {
@@ -291,11 +284,6 @@ impl Settings {
                 first.into_iter().chain(second).collect()
             }
         }
-    }
-
-    /// Their numerical settings.
-    pub(super) fn finer_accuracies(&self, scene: &Scene) -> Vec<Accuracy> {
-        self.finer_levels(scene).into_iter().map(|level| level.accuracy).collect()
     }
 }
 

@@ -6,8 +6,8 @@ use super::outliers::outliers;
 use super::{CampaignError, Plan, Settings};
 use crate::statistics::learning::{LearnedThreshold, Mode, checkpoints_that_matter, learned_threshold};
 use crate::statistics::surrogate::{
-    CrossValidation, Effort, Form, Incumbent, Kriging, LeaveOneOut, NoiseShape, PredictionCache,
-    SurrogateError, TrainingSet, compare_sharing, fit_surrogate,
+    CrossValidation, Effort, Kriging, LeaveOneOut, NoiseShape, PredictionCache, SurrogateError, TrainingSet,
+    compare_sharing, fit_surrogate,
 };
 use faer::{Mat, MatRef};
 use rayon::prelude::*;
@@ -121,17 +121,14 @@ impl Surrogate {
             noise: noise.as_ref(),
             is_exact: as_published,
         };
-        let incumbent = before.map(|before| before.model.incumbent());
-        let found = fit_surrogate(training, *forms, incumbent.as_ref(), effort)?;
+        let found = fit_surrogate(training, *forms, before.map(|before| &before.model), effort)?;
         let mut model = found.model;
         let mut cross_validation = found.cross_validation;
         let threshold = results.learned_threshold();
         let near = |crossed: &CrossValidation| crossed.variance_ratio_near(threshold.value, chosen.as_ref());
         let (mut separate_would_gain, mut variance_ratio) = (None, cross_validation.as_ref().map(near));
         if effort == Effort::MultiStart {
-            let Incumbent { correlation, trend } = model.incumbent();
-            separate_would_gain =
-                compare_sharing(training, Form { kernel: correlation.kernel, trend }, &correlation)?;
+            separate_would_gain = compare_sharing(training, model.form(), &model.correlation)?;
         } else if let Some(before) = before {
             separate_would_gain = before.separate_would_gain;
             cross_validation = before.cross_validation.clone();
@@ -189,15 +186,15 @@ impl Surrogate {
         self.leave_one_out = self.fitted_on.iter().map(|n| all[*n]).collect();
         let errors = columns(&results.errors, &self.fitted_on);
         let stated = errors.squared_norm_l2() / errors.nrows() as f64;
-        let sigma2: f64 = self.fitted_on.iter().map(|n| self.model.sigma2()[*n]).sum();
-        let as_noise = self.model.correlation().stated * sigma2;
+        let sigma2: f64 = self.fitted_on.iter().map(|n| self.model.sigma2[*n]).sum();
+        let as_noise = self.model.correlation.stated * sigma2;
         self.share_of_stated = self.noise.as_ref().map(|_| (as_noise / stated).sqrt());
-        let noise = self.model.correlation().noise();
+        let noise = self.model.correlation.noise();
         let share = |n: &usize| {
             let values = results.values.col(*n);
             let mean = values.iter().sum::<f64>() / values.nrows() as f64;
             let variance = values.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / values.nrows() as f64;
-            if variance > 0.0 { noise * self.model.sigma2()[*n] / variance } else { 0.0 }
+            if variance > 0.0 { noise * self.model.sigma2[*n] / variance } else { 0.0 }
         };
         self.noise_share = self.fitted_on.iter().map(share).fold(0.0, f64::max);
         let of_checkpoint = |n: &usize| {
@@ -217,7 +214,7 @@ impl Surrogate {
     /// any.
     pub(super) fn rough_share(&self, rough: Option<&[f64]>) -> f64 {
         let Some(rough) = rough else { return 0.0 };
-        let sigma2 = self.model.sigma2();
+        let sigma2 = &self.model.sigma2;
         let share = |n: &usize| {
             let rough = rough[n % rough.len()];
             if sigma2[*n] > 0.0 { rough * rough / sigma2[*n] } else { 0.0 }

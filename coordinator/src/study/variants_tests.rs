@@ -3,8 +3,7 @@
 use super::finer_levels::FinerLevels;
 use super::result::curves_from_learning;
 use super::{
-    CampaignResult, Correction, FIRST_VARIANT, LearnedVariant, Observed, Settings, StoredOutcome,
-    StudyOfVariants, run,
+    CampaignResult, Correction, FIRST_VARIANT, Observed, Settings, StoredOutcome, StudyOfVariants, run,
 };
 use crate::farm::evaluate::Request;
 use crate::farm::evaluate::local::LocalEvaluator;
@@ -84,9 +83,7 @@ fn learn(
         Ok(evaluation(&scene, &request.sample, &of))
     });
     let found = study.learn(&scene, FIRST_VARIANT, &mut evaluator, &mut journal).unwrap();
-    let LearnedVariant { learned: Some(learned), evaluations: [evaluations, 0] } = found else {
-        panic!("a result without failures")
-    };
+    let (Some(learned), [evaluations, 0]) = found else { panic!("a result without failures") };
     assert_eq!(journal.outcomes().len(), evaluations);
     (summary(&scene, &base), summary(&scene, &learned), evaluations)
 }

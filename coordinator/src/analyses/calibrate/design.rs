@@ -2,13 +2,14 @@
 
 use super::least_squares::LeastSquares;
 use super::report::{CalibrationResult, result};
-use super::responses::{CalibrationPoint, POPULATION, ResponseSurrogates};
+use super::responses::{POPULATION, ResponseSurrogates};
 use super::space::{ParameterKind, Space};
-use super::targets::CalibrationTargets;
+use super::target_file::CalibrationTargets;
 use crate::analyses::error::AnalysisError;
-use crate::farm::evaluate::{EvaluateError, Evaluator, Finished, Request};
+use crate::farm::evaluate::{EvaluateError, Evaluator, Request};
 use crate::statistics::design::{InputModel, Population};
 use common::accuracy::Accuracy;
+use common::outputs::Evaluation;
 use common::random::Distribution;
 
 /// Settings of a calibration.
@@ -46,7 +47,7 @@ pub fn calibrate(
     let dimension = space.dimension();
     let first = if settings.simulations == 0 { (4 * dimension).max(40) } else { settings.simulations };
     let least = dimension / 2 + 10;
-    let mut simulated: Vec<CalibrationPoint> = Vec::new();
+    let mut simulated: Vec<(Vec<f64>, Evaluation)> = Vec::new();
     let mut requested = 0;
     // Bounds of the round's points `(p,)`, as shares of the distance between the bounds of the parameters.
     let mut window: Vec<(f64, f64)> = vec![(0.0, 1.0); space.free.len()];
@@ -96,17 +97,10 @@ fn starts(space: &Space) -> Vec<Vec<f64>> {
     std::iter::once(nominal).chain(corners).collect()
 }
 
-/// A point to be simulated.
-struct DesignPoint {
-    /// The sample `(d + keyed,)` [SI].
-    sample: Vec<f64>,
-    /// Its coordinates for the surrogates `(d + keyed,)` [1].
-    features: Vec<f64>,
-}
-
-/// Points over the window of the parameters and the random variables together, by a Latin hypercube. Factors of the spread are
-/// at their upper bound, so that every narrower spread is interpolated.
-fn design(space: &Space, window: &[(f64, f64)], count: usize, seed: u64) -> Vec<DesignPoint> {
+/// Points over the window of the parameters and the random variables together, by a Latin hypercube: the sample to be simulated
+/// `(d + keyed,)` [SI] and its coordinates for the surrogates `(d + keyed,)` [1]. Factors of the spread are at their upper bound, so that
+/// every narrower spread is interpolated.
+fn design(space: &Space, window: &[(f64, f64)], count: usize, seed: u64) -> Vec<(Vec<f64>, Vec<f64>)> {
     let d = space.inputs.dimension();
     let uniform = |(low, high): &(f64, f64)| {
         Distribution::uniform(*low, high.max(low + 1e-6)).expect("the bounds of a window differ")
@@ -124,29 +118,28 @@ fn design(space: &Space, window: &[(f64, f64)], count: usize, seed: u64) -> Vec<
         }
         let placed = space.placed(&values);
         let sample = placed.sample(&z);
-        DesignPoint { features: placed.features(&sample), sample }
+        let features = placed.features(&sample);
+        (sample, features)
     };
     (0..count).map(point).collect()
 }
 
-/// Simulates points, numbered from `first_id`; failed simulations are left out.
+/// Simulates points, numbered from `first_id`: their coordinates and results; failed simulations are left out.
 fn simulate(
     evaluator: &mut dyn Evaluator,
-    points: Vec<DesignPoint>,
+    points: Vec<(Vec<f64>, Vec<f64>)>,
     first_id: u64,
     accuracy: Accuracy,
     progress: &mut dyn FnMut(usize, usize),
-) -> Result<Vec<CalibrationPoint>, EvaluateError> {
+) -> Result<Vec<(Vec<f64>, Evaluation)>, EvaluateError> {
     let all = (first_id..).zip(&points);
-    let requests: Vec<_> = all.map(|(id, point)| Request::at(id, point.sample.clone(), accuracy)).collect();
+    let requests: Vec<_> = all.map(|(id, (x, _))| Request::at(id, x.clone(), accuracy)).collect();
     let mut done = 0;
     let (outcomes, end) = evaluator.outcomes(&requests, &mut |_| {
         done += 1;
         progress(done, requests.len());
     });
     end?;
-    let simulated = |(DesignPoint { features, .. }, finished): (DesignPoint, Option<Finished>)| {
-        Some(CalibrationPoint { features, evaluation: finished?.outcome.ok()? })
-    };
-    Ok(points.into_iter().zip(outcomes).filter_map(simulated).collect())
+    let simulated = points.into_iter().zip(outcomes);
+    Ok(simulated.filter_map(|((_, features), found)| Some((features, found?.outcome.ok()?))).collect())
 }

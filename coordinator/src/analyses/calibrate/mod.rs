@@ -18,12 +18,10 @@ mod report;
 mod responses;
 mod space;
 mod target_file;
-mod targets;
 #[cfg(test)]
 mod tests;
 
 pub use design::{CalibrationSettings, calibrate};
 pub use report::{CalibrationResult, answer};
 pub use space::Space;
-pub use target_file::{of_parameters, read as read_targets};
-pub use targets::{CalibrationTargets, Target};
+pub use target_file::{CalibrationTargets, Target, of_parameters, read as read_targets};

@@ -3,7 +3,7 @@
 use super::least_squares::{Fit, LeastSquares};
 use super::responses::ResponseSurrogates;
 use super::space::FreeParameter;
-use super::targets::Target;
+use super::target_file::Target;
 use crate::presentation::report::answer::{Answer, AnswerPart, Table};
 use crate::presentation::report::format::significant;
 use serde::Serialize;
@@ -68,12 +68,8 @@ pub struct Conflict {
     /// Its residual if it takes precedence over all others [1]; large if no parameters within the bounds meet it.
     pub alone: f64,
     /// Other targets that are then missed.
-    pub costs: Vec<TargetCost>,
+    pub costs: Vec<(String, f64, f64)>,
 }
-
-/// A target that is missed if another one takes precedence: name, residual at the optimum, and residual then.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct TargetCost(pub String, pub f64, pub f64);
 
 /// Result of a calibration.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -154,7 +150,7 @@ fn conflicts<R: Fn(&[f64]) -> Vec<f64>>(
         let then = (problem.residuals)(&preferring.minimise(&[best.to_vec(), vec![0.5; best.len()]]));
         let cost = |j: usize| {
             let is_missed = j != i && then[j].abs() > MISSED && then[j].abs() > residuals[j].abs() + 0.5;
-            is_missed.then(|| TargetCost(targets[j].name.clone(), residuals[j], then[j]))
+            is_missed.then(|| (targets[j].name.clone(), residuals[j], then[j]))
         };
         let costs = (0..targets.len()).filter_map(cost).collect();
         Conflict { target: targets[i].name.clone(), alone: then[i], costs }
@@ -225,7 +221,7 @@ fn conflict_in_words(conflict: &Conflict) -> String {
         );
     }
     if !costs.is_empty() {
-        let costs = costs.iter().map(|TargetCost(name, from, to)| format!("{name} ({from:+.1} to {to:+.1})"));
+        let costs = costs.iter().map(|(name, from, to)| format!("{name} ({from:+.1} to {to:+.1})"));
         let costs = costs.collect::<Vec<_>>().join(", ");
         text += &format!(" If it takes precedence, other residuals increase: {costs}.");
     }

@@ -1,7 +1,7 @@
 //! Surrogates of the responses that the targets need, and the values of the targets predicted with them at any parameters.
 
 use super::space::Space;
-use super::targets::{OutputStatistic, Target, TargetQuantity};
+use super::target_file::{OutputStatistic, Target, TargetQuantity};
 use crate::statistics::design::Population;
 use crate::statistics::learning::running_maximum;
 use crate::statistics::surrogate::{
@@ -39,28 +39,14 @@ enum Column {
     Angle(f64),
 }
 
-/// A simulated point and its evaluation.
-pub(super) struct CalibrationPoint {
-    /// Coordinates for the surrogates `(d + keyed,)` [1].
-    pub features: Vec<f64>,
-    pub evaluation: Evaluation,
-}
-
 /// Surrogates of the responses of all targets.
 pub(super) struct ResponseSurrogates<'a> {
     pub space: &'a Space,
     pub targets: &'a [Target],
-    surrogates: BTreeMap<Group, GroupSurrogate>,
+    /// Columns, model and smallest leave-one-out Q2 [1] of the responses of each group.
+    surrogates: BTreeMap<Group, (Vec<Column>, Kriging, f64)>,
     /// Standardised variables `(POPULATION)(d,)`.
     population: Population,
-}
-
-/// Surrogate of the responses of a group.
-struct GroupSurrogate {
-    columns: Vec<Column>,
-    model: Kriging,
-    /// Smallest leave-one-out Q2 of the responses [1].
-    q2: f64,
 }
 
 impl<'a> ResponseSurrogates<'a> {
@@ -68,7 +54,7 @@ impl<'a> ResponseSurrogates<'a> {
     pub fn fit(
         space: &'a Space,
         targets: &'a [Target],
-        simulated: &[CalibrationPoint],
+        simulated: &[(Vec<f64>, Evaluation)],
         seed: u64,
     ) -> Result<Self, SurrogateError> {
         let mut columns: BTreeMap<Group, Vec<Column>> = BTreeMap::new();
@@ -79,17 +65,17 @@ impl<'a> ResponseSurrogates<'a> {
                 all.push(column);
             }
         }
-        let d = simulated.first().map_or(0, |point| point.features.len());
-        let points = Mat::from_fn(d, simulated.len(), |k, i| simulated[i].features[k]);
+        let d = simulated.first().map_or(0, |(features, _)| features.len());
+        let points = Mat::from_fn(d, simulated.len(), |k, i| simulated[i].0[k]);
         let fitted = |(group, columns): (Group, Vec<Column>)| {
-            let of_point = |point: &CalibrationPoint| values(group, &columns, &point.evaluation, limits);
+            let of_point = |(_, found): &(Vec<f64>, Evaluation)| values(group, &columns, found, limits);
             let rows: Vec<Vec<f64>> = simulated.iter().map(of_point).collect();
             let table = Mat::from_fn(rows.len(), columns.len(), |i, o| rows[i][o]);
             let (points, values) = (points.as_ref(), table.as_ref());
             let training = TrainingSet { points, values, noise: None, is_exact: false };
             let model = fit_surrogate(training, FormSettings::default(), None, Effort::MultiStart)?.model;
             let q2 = model.leave_one_out(values).iter().map(|l| l.q2).fold(1.0, f64::min);
-            Ok((group, GroupSurrogate { columns, model, q2 }))
+            Ok((group, (columns, model, q2)))
         };
         let surrogates = columns.into_par_iter().map(fitted).collect::<Result<_, SurrogateError>>()?;
         let population = Population::latin_hypercube(&space.inputs, POPULATION, seed);
@@ -103,23 +89,23 @@ impl<'a> ResponseSurrogates<'a> {
         let placed = self.space.placed(parameters);
         let features: Vec<Vec<f64>> = samples.map(|z| placed.features(&placed.sample(z))).collect();
         let points = Mat::from_fn(features[0].len(), features.len(), |k, j| features[j][k]);
-        let predicted =
-            |(group, fitted): (&Group, &GroupSurrogate)| (*group, fitted.model.predict(points.as_ref()));
-        let predictions: BTreeMap<Group, Prediction> = self.surrogates.iter().map(predicted).collect();
+        let models = self.surrogates.iter().map(|(group, (_, model, _))| (*group, model));
+        let predictions: BTreeMap<Group, Prediction> =
+            models.map(|(group, model)| (group, model.predict(points.as_ref()))).collect();
         self.targets.iter().map(|target| self.value(&target.quantity, &predictions)).collect()
     }
 
     /// Smallest leave-one-out Q2 of the surrogates of a target [1].
     pub fn q2(&self, target: &Target) -> f64 {
         let groups = needed(&target.quantity, &self.space.scene().limit_states);
-        groups.iter().map(|(group, _)| self.surrogates[group].q2).fold(1.0, f64::min)
+        groups.iter().map(|(group, _)| self.surrogates[group].2).fold(1.0, f64::min)
     }
 
     fn value(&self, quantity: &TargetQuantity, predictions: &BTreeMap<Group, Prediction>) -> f64 {
         let limits = &self.space.scene().limit_states;
         let mut survival = vec![1.0; POPULATION];
         for (group, column) in needed(quantity, limits) {
-            let GroupSurrogate { columns, model, .. } = &self.surrogates[&group];
+            let (columns, model, _) = &self.surrogates[&group];
             let place = columns.iter().position(|other| *other == column).expect("a needed column");
             let Prediction { mean: means, variance_factor, .. } = &predictions[&group];
             let Group::Largest(s) = group else {
@@ -138,10 +124,9 @@ impl<'a> ResponseSurrogates<'a> {
                 };
             };
             // The predicted probability of survival: smooth in the parameters, unbiased where the surrogate is uncertain.
-            let noise = model.correlation().noise();
+            let noise = model.correlation.noise();
             for (j, survives) in survival.iter_mut().enumerate() {
-                let std =
-                    (model.sigma2()[place] * (variance_factor[j] + noise)).sqrt().max(f64::MIN_POSITIVE);
+                let std = (model.sigma2[place] * (variance_factor[j] + noise)).sqrt().max(f64::MIN_POSITIVE);
                 *survives *= standard_normal_cdf((limits[s].response_threshold() - means[(place, j)]) / std);
             }
         }

@@ -89,7 +89,7 @@ impl Space {
         // With values that give no valid scene nothing follows, and the simulations fail.
         let variables = self.own.variables_with(&keyed.collect::<Vec<_>>());
         let laws = variables.map(|all| all.into_iter().map(|variable| variable.distribution).collect());
-        let copula = self.inputs.copula().clone();
+        let copula = self.inputs.copula.clone();
         let inputs = laws.map_or_else(|_| self.inputs.clone(), |laws| InputModel::new(laws, copula));
         PlacedSpace { space: self, parameters, inputs }
     }

@@ -1,7 +1,7 @@
 //! Calibrations of the four-bar with a stand-in in closed form for its simulation, so that the right answer is known.
 
 use super::responses::depth;
-use super::targets::TargetQuantity;
+use super::target_file::TargetQuantity;
 use super::{
     CalibrationResult, CalibrationSettings, CalibrationTargets, Space, answer, calibrate, of_parameters,
     read_targets,

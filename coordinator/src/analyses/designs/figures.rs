@@ -1,7 +1,6 @@
 //! Figures of designs: lives and reliabilities against the design variables with their intervals.
 
-use super::answer::DesignAnswer;
-use super::best::Best;
+use super::answer::{Best, DesignAnswer};
 use super::space::{DesignSpace, DesignVariable};
 use crate::analyses::paired_results::spread;
 use crate::presentation::report::format::shortest;
@@ -16,7 +15,7 @@ type Limited = (f64, f64, f64, f64);
 
 /// The figures of these answers, those of a grid in the order of [`DesignSpace::grid`].
 pub fn figures(space: &DesignSpace, answers: &[DesignAnswer], best: Option<&Best>) -> Vec<Figure> {
-    if space.variables().len() == 1 {
+    if space.variables.len() == 1 {
         return [lives(space, answers)].into_iter().chain(reliabilities(space, answers)).collect();
     }
     let best = best.map_or(0, |best| best.index);
@@ -83,7 +82,7 @@ fn reliabilities(space: &DesignSpace, answers: &[DesignAnswer]) -> Option<Figure
 /// Life at a level against the first design variable, a curve for each value of the second; a third one has its value of the
 /// design `best`.
 fn family(space: &DesignSpace, answers: &[DesignAnswer], best: usize, level: f64) -> Figure {
-    let second = &space.variables()[1];
+    let second = &space.variables[1];
     let at_best = |answer: &&DesignAnswer| answer.values[2..].iter().eq(answers[best].values[2..].iter());
     let shown: Vec<&DesignAnswer> = answers.iter().filter(at_best).collect();
     let mut values: Vec<f64> = shown.iter().map(|answer| answer.values[1]).collect();
@@ -97,7 +96,7 @@ fn family(space: &DesignSpace, answers: &[DesignAnswer], best: usize, level: f64
     });
     let held =
         |third: &DesignVariable| format!(" {} = {}.", third.key, third.with_unit(answers[best].values[2]));
-    let third = space.variables().get(2).map_or(String::new(), held);
+    let third = space.variables.get(2).map_or(String::new(), held);
     let name = format!("design-life-{}", level.to_string().replace('.', "-"));
     let words = (format!("Life at R = {level} against the design"), format!("Bands: 95 % interval.{third}"));
     plot(space, &name, (&words.0, &words.1), ("life [cycles]", range_of_lives(answers)), curves)
@@ -118,7 +117,7 @@ fn plot(
     (label, range): (&str, (f64, f64)),
     series: impl Iterator<Item = Series>,
 ) -> Figure {
-    let first = &space.variables()[0];
+    let first = &space.variables[0];
     let x_label = first.label();
     let x = Axis { text: |value| shortest(value, 6), ..Axis::linear(&x_label, (first.lower, first.upper)) };
     let series = &series.collect::<Vec<_>>();

@@ -19,7 +19,6 @@
 
 mod answer;
 mod augmented;
-mod best;
 mod figures;
 mod present;
 mod report;
@@ -27,8 +26,7 @@ mod space;
 #[cfg(test)]
 mod tests;
 
-pub use answer::{DesignStudy, Refined, answers, refine};
-pub use best::{Best, Objective};
+pub use answer::{Best, DesignStudy, Objective, Refined, answers, refine};
 pub use present::Follower;
 pub use report::{DesignReport, answer, json};
 pub use space::{DESIGNS_DOCUMENT, DesignSpace, DesignVariable, StoredSpace};

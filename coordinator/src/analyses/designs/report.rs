@@ -1,7 +1,6 @@
 //! The answers for all designs as JSON, and with their table, sentences and figures.
 
-use super::answer::{DesignAnswer, Refined};
-use super::best::{Best, Objective};
+use super::answer::{Best, DesignAnswer, Objective, Refined};
 use super::figures::figures;
 use super::space::{DesignSpace, DesignVariable};
 use crate::analyses::paired_results::curve_names;
@@ -41,7 +40,7 @@ pub struct DesignReport<'a> {
 impl DesignReport<'_> {
     /// The values of a design by key.
     fn design(&self, index: usize) -> Value {
-        let values = self.space.variables().iter().zip(&self.answers[index].values);
+        let values = self.space.variables.iter().zip(&self.answers[index].values);
         values.map(|(variable, value)| (variable.key.clone(), json!(value))).collect()
     }
 
@@ -78,7 +77,7 @@ pub fn json(report: &DesignReport<'_>) -> Value {
         "seed": first.seed,
         "limit_states": first.limit_states,
         "population": first.population,
-        "design_variables": report.space.variables(),
+        "design_variables": report.space.variables,
         "designs": report.answers.iter().enumerate().map(design).collect::<Vec<_>>(),
         "best": best,
         "evaluations": report.refined.added,
@@ -123,8 +122,7 @@ fn table(report: &DesignReport<'_>) -> Table {
     let at = cycles.map(|cycles| format!("R({cycles}) (95 %)"));
     let lives = levels.iter().map(|level| format!("life at R = {level} (95 %)"));
     let first = (answers[0].summary.limit_states.len() > 1).then(|| "fails first by".to_owned());
-    let head =
-        space.variables().iter().map(DesignVariable::label).chain(at).chain(lives).chain(first.clone());
+    let head = space.variables.iter().map(DesignVariable::label).chain(at).chain(lives).chain(first.clone());
     let row = |DesignAnswer { values, summary, .. }: &DesignAnswer| {
         let at = cycles.map(|cycles| {
             let row = summary.reliability.iter().find(|row| row.cycles == cycles);
@@ -199,7 +197,7 @@ fn best_in_words(report: &DesignReport<'_>, best: &Best) -> String {
         let more = if equal > 4 { format!(" and {} others", equal - 4) } else { String::new() };
         text += &format!(" Not worse within the errors: {}{more}.", named.join("; "));
     }
-    let values = report.space.variables().iter().zip(&report.answers[best.index].values);
+    let values = report.space.variables.iter().zip(&report.answers[best.index].values);
     let at_end = values.filter(|(variable, value)| [variable.lower, variable.upper].contains(value));
     let at_end: Vec<&str> = at_end.map(|(variable, _)| variable.key.as_str()).collect();
     if !at_end.is_empty() && report.answers.len() > 1 {
@@ -211,7 +209,7 @@ fn best_in_words(report: &DesignReport<'_>, best: &Best) -> String {
 /// One row per design, curve and checkpoint: the values of the design variables, `limit_state`, `cycles`, `R`, `standard_error`,
 /// and the 95 % interval `lower`, `upper`.
 fn csv(space: &DesignSpace, answers: &[DesignAnswer]) -> String {
-    let labels = space.variables().iter().map(DesignVariable::label);
+    let labels = space.variables.iter().map(DesignVariable::label);
     let mut rows = Vec::new();
     for answer in answers {
         let values: Vec<String> = answer.values.iter().map(|value| number(*value)).collect();

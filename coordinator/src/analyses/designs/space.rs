@@ -16,7 +16,8 @@ const MOST: usize = 3;
 #[derive(Debug, Clone)]
 pub struct DesignSpace {
     pub(super) base: SceneSource,
-    pub(super) variables: Vec<DesignVariable>,
+    /// The design variables.
+    pub variables: Vec<DesignVariable>,
 }
 
 /// A design space as stored with its study.
@@ -77,11 +78,6 @@ impl DesignSpace {
     /// What is stored with the study.
     pub fn stored(&self) -> StoredSpace {
         StoredSpace { scene: self.base.text().to_owned(), variables: self.variables.clone() }
-    }
-
-    /// The design variables `(q,)`.
-    pub fn variables(&self) -> &[DesignVariable] {
-        &self.variables
     }
 
     /// The scene of the design with these values `(q,)`, each in the unit of its variable, with the variables of the scene

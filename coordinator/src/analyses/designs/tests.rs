@@ -55,7 +55,7 @@ fn spreads_and_thresholds_need_no_further_variable() {
     assert!((design.limit_states[0].threshold - 7.5e-6).abs() < 1e-15);
     assert_eq!(space.grid(3).len(), 9);
     assert_eq!(space.grid(3)[1], [2.0, 8.0]);
-    assert_eq!(DesignSpace::from_stored(space.stored(), "study").unwrap().variables(), space.variables());
+    assert_eq!(DesignSpace::from_stored(space.stored(), "study").unwrap().variables, space.variables);
 }
 
 #[test]

@@ -51,9 +51,9 @@ pub fn learn(
         let fault = "the observations speak of no variable whose parameters are learned; name parameters in rows of the unit `population`";
         return Err(RefusedQuestion::new("nothing is unknown", fault));
     }
-    let ranges: Vec<(f64, f64)> = model.inputs().variables().iter().map(|law| law.support()).collect();
-    let known = model.inputs().variables().to_vec();
-    let space = space_of(model.inputs(), &unknown, designs, fixed);
+    let ranges: Vec<(f64, f64)> = model.inputs.variables().iter().map(|law| law.support()).collect();
+    let known = model.inputs.variables().to_vec();
+    let space = space_of(&model.inputs, &unknown, designs, fixed);
     let indices: Vec<usize> = space.variables.iter().map(|variable| variable.index).collect();
     let dimension = space.dimension();
     let mut rng = open_stream(settings.units.seed, Stream::Parameters(0));
@@ -154,7 +154,7 @@ fn pass_of(
     let indices: Vec<usize> = space.variables.iter().map(|variable| variable.index).collect();
     let count = settings.units.population;
     let population = WeightedPopulation::new(model, &indices, outputs_of(units), count, settings.units.seed);
-    let width = model.inputs().dimension() + model.deviations();
+    let width = model.inputs.dimension() + model.deviations();
     let update = |(number, unit)| posterior(&population.prior, unit, number, &settings.units);
     let updated: Vec<Result<UnitPosterior, Unsupported>> = units.par_iter().enumerate().map(update).collect();
     let points = population.points.clone();
@@ -277,8 +277,8 @@ pub fn left(
 ) -> Option<LeftVariable> {
     let model = population.prior.model;
     let (lower, upper) = model.simulated_range(k);
-    let width = model.inputs().dimension() + model.deviations();
-    let law = &model.inputs().variables()[k];
+    let width = model.inputs.dimension() + model.deviations();
+    let law = &model.inputs.variables()[k];
     let is_outside = |v: &[f64]| !(lower..=upper).contains(&law.from_standard_normal(v[k]));
     let all = population.prior.states.chunks_exact(width).zip(weights).filter(|(v, _)| is_outside(v));
     let outside = all.map(|(_, w)| w).sum::<f64>() / weights.iter().sum::<f64>();

@@ -17,11 +17,11 @@ const BLOCK: usize = 32;
 
 /// The model whose changed variables have the distributions of their points.
 pub fn model_of(model: LifeModel, indices: &[usize], proposals: &[Distribution]) -> LifeModel {
-    let mut laws = model.inputs().variables().to_vec();
+    let mut laws = model.inputs.variables().to_vec();
     for (k, law) in indices.iter().zip(proposals) {
         laws[*k] = law.clone();
     }
-    let inputs = InputModel::new(laws, model.inputs().copula().clone());
+    let inputs = InputModel::new(laws, model.inputs.copula.clone());
     model.redistributed(inputs)
 }
 
@@ -40,10 +40,10 @@ pub struct WeightedPopulation<'a> {
 impl<'a> WeightedPopulation<'a> {
     /// `count` points of the population of `model`, whose variables `indices` will be changed.
     pub fn new(model: &'a LifeModel, indices: &[usize], wanted: Vec<usize>, count: usize, seed: u64) -> Self {
-        let laws: Vec<_> = indices.iter().map(|k| model.inputs().variables()[*k].clone()).collect();
+        let laws: Vec<_> = indices.iter().map(|k| model.inputs.variables()[*k].clone()).collect();
         let prior = Prior::new(model, wanted, count, seed);
         let reweighting = Reweighting::new(indices.to_vec(), &laws);
-        let points = reweighting.points(&prior.states, model.inputs().dimension() + model.deviations());
+        let points = reweighting.points(&prior.states, model.inputs.dimension() + model.deviations());
         let of_point = |lives: &[f64]| lives.iter().copied().fold(f64::INFINITY, f64::min);
         let lives = prior.responses.lives.chunks_exact(model.limit_states()).map(of_point).collect();
         Self { prior, reweighting, points, lives }
@@ -83,7 +83,7 @@ pub fn uncertain_fits<'m>(
 ) -> Result<Vec<(usize, &'m MeasuredVariable)>, Vec<&'m str>> {
     let index = |name: &str| scene.variables.iter().position(|variable| variable.name == name);
     let all: Vec<_> = measured.iter().filter_map(|own| Some((index(&own.name)?, own))).collect();
-    let correlated = all.iter().filter(|(k, _)| model.inputs().copula().is_correlated(*k));
+    let correlated = all.iter().filter(|(k, _)| model.inputs.copula.is_correlated(*k));
     let correlated: Vec<&str> = correlated.map(|(_, own)| own.name.as_str()).collect();
     if correlated.is_empty() { Ok(all) } else { Err(correlated) }
 }

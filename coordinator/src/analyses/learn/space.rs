@@ -52,10 +52,10 @@ pub fn default_unknown(
     let variables: BTreeSet<usize> = observed.clone().flatten().collect();
     let of_life = observed.clone().any(|variable| variable.is_none()).then(influential).flatten();
     let variables: BTreeSet<usize> = variables.into_iter().chain(of_life).collect();
-    let is_unknown = |k: &usize| !designs.contains(k) && is_learnable(model.inputs(), *k);
+    let is_unknown = |k: &usize| !designs.contains(k) && is_learnable(&model.inputs, *k);
     let of = |variable: usize, moment| UnknownParameter { variable, moment, prior: None };
     let both = |k: usize| {
-        let is_exponential = matches!(model.inputs().variables()[k], Distribution::Exponential(_));
+        let is_exponential = matches!(model.inputs.variables()[k], Distribution::Exponential(_));
         let moments = if is_exponential { &[Moment::Mean][..] } else { &[Moment::Mean, Moment::Std] };
         moments.iter().map(move |moment| of(k, *moment)).collect::<Vec<_>>()
     };
@@ -65,13 +65,13 @@ pub fn default_unknown(
 
 fn is_learnable(inputs: &InputModel, k: usize) -> bool {
     use Distribution as D;
-    let refused = D::is_constant(&inputs.variables()[k]) || inputs.copula().is_correlated(k);
+    let refused = D::is_constant(&inputs.variables()[k]) || inputs.copula.is_correlated(k);
     !refused && !matches!(inputs.variables()[k], D::Beta(_) | D::Triangular(_) | D::Empirical(_))
 }
 
 /// The learnable variable whose standard normal has the largest correlation with the life, cut at the end of the study.
 fn most_influential(model: &LifeModel, designs: &[usize]) -> Option<usize> {
-    let (inputs, width) = (model.inputs(), model.deviations());
+    let (inputs, width) = (&model.inputs, model.deviations());
     let population = Population::draw(inputs, SCREENED, 1);
     let responses = model.respond(population.columns(0..SCREENED), &vec![0.0; SCREENED * width], &[]);
     let life = |own: &[f64]| own.iter().copied().fold(2.0 * model.end(), f64::min);

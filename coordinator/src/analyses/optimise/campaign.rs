@@ -92,7 +92,7 @@ impl<'a> TargetCampaign<'a> {
 
     /// Standard errors of P_f by the stated numerical errors of the simulations `(curves)(columns,)` [1].
     pub fn numerical_errors(&self, learned: &CampaignResult) -> Vec<Vec<f64>> {
-        learned.numerical_errors(&self.problem(learned.classified.population.inputs()))
+        learned.numerical_errors(&self.problem(&learned.classified.population.inputs))
     }
 
     /// Learns at the design with these inputs, with at most `count` further simulations; `pf` is the least failure
@@ -152,7 +152,7 @@ impl<'a> TargetCampaign<'a> {
     pub fn surrogate_error(learned: &CampaignResult, curve: usize, column: usize) -> f64 {
         let assessment = &learned.assessment;
         let Some(at) = assessment.grid.iter().position(|n| *n == column) else { return 0.0 };
-        let error = SURROGATE_SAFETY * assessment.errors.by_curve[curve][at];
+        let error = SURROGATE_SAFETY * assessment.errors[curve][at];
         learned.classified.condition.probability * error.hypot(assessment.noise_shift[curve][at])
     }
 

@@ -3,7 +3,7 @@
 
 use super::campaign::{StudyBasis, TargetCampaign};
 use super::problem::{DesignProblem, ReliabilityTarget};
-use super::reliability::{Constraint, DesignReliability, ModeSurrogate};
+use super::reliability::{Constraint, DesignReliability};
 use super::solve::Solved;
 use super::trust;
 use crate::analyses::error::AnalysisError;
@@ -51,10 +51,7 @@ impl<'a> Context<'a> {
     /// Reliability over designs with the surrogates of a campaign at the design y, its lines placed for it.
     pub fn reliability<'r>(&'r self, learned: &'r CampaignResult, y: &[f64]) -> DesignReliability<'r> {
         let modes = learned.assessment.modes.iter().zip(&learned.assessment.surrogates);
-        let surrogates = modes.map(|(mode, Surrogate { model, .. })| {
-            let (threshold, dual) = (mode.threshold, model.dual());
-            ModeSurrogate { model, threshold, dual }
-        });
+        let surrogates = modes.map(|(mode, Surrogate { model, .. })| (model, mode.threshold, model.dual()));
         let (surrogates, constraints) = (surrogates.collect(), self.constraints.clone());
         DesignReliability::new(self.problem, &self.reference, surrogates, constraints, self.seed, y)
     }

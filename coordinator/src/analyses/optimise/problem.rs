@@ -111,7 +111,7 @@ pub struct ReliabilityTarget {
 }
 
 /// What is to be minimised: the sum of the costs, such that every target is met.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct DesignProblem {
     /// Quantities of the design, at least one.
     pub quantities: Vec<DesignQuantity>,
@@ -119,16 +119,9 @@ pub struct DesignProblem {
     pub targets: Vec<ReliabilityTarget>,
     /// Which bounds of each variable stay where they are, the lower and the upper one; none if there are fewer entries.
     pub fixed_bounds: Vec<[bool; 2]>,
-    /// Design variables of the study, if it has any.
-    pub designs: Option<StudiedDesigns>,
-}
-
-/// What an optimisation needs of a study with design variables.
-#[derive(Debug, Clone, PartialEq)]
-pub struct StudiedDesigns {
-    /// Inputs of the augmented scene, whose coordinates the surrogates have.
-    pub augmented: InputModel,
-    /// Random variables that follow design variables.
+    /// In a study of designs: its random variables, design variables among them, in whose coordinates the surrogates are.
+    pub augmented: Option<InputModel>,
+    /// Variables whose distributions follow design variables.
     pub followers: Vec<Follower>,
 }
 
@@ -152,7 +145,7 @@ impl DesignProblem {
         let moments = inputs.variables().iter().map(|law| (law.parent_mean(), law.given_std()));
         let mut moments: Vec<(f64, f64)> = moments.collect();
         let mut changed = vec![false; moments.len()];
-        for follower in self.designs.iter().flat_map(|designs| &designs.followers) {
+        for follower in &self.followers {
             let Some(value) = self.value_of(follower.leader, values) else { continue };
             let shift = value - inputs.variables()[follower.leader].parent_mean();
             changed[follower.variable] = true;
@@ -182,8 +175,8 @@ impl DesignProblem {
     /// # Errors
     /// Those of [`DesignProblem::variables`].
     pub fn inputs(&self, inputs: &InputModel, values: &[f64]) -> Result<InputModel, LawError> {
-        let changed = InputModel::new(self.variables(inputs, values)?, inputs.copula().clone());
-        Ok(changed.standardised_as(self.designs.as_ref().map_or(inputs, |designs| &designs.augmented)))
+        let changed = InputModel::new(self.variables(inputs, values)?, inputs.copula.clone());
+        Ok(changed.standardised_as(self.augmented.as_ref().unwrap_or(inputs)))
     }
 
     /// Value of the quantity that is the mean of variable `k` [SI]; `None` if there is none.
@@ -195,8 +188,8 @@ impl DesignProblem {
     /// Indices of the random variables whose distributions the quantities change, ascending.
     pub fn changed_variables(&self) -> Vec<usize> {
         let own = || self.quantities.iter().flat_map(|quantity| quantity.variables.iter().copied());
-        let followers = self.designs.iter().flat_map(|designs| &designs.followers);
-        let led = followers.filter(|follower| own().any(|k| k == follower.leader)).map(|f| f.variable);
+        let led =
+            self.followers.iter().filter(|follower| own().any(|k| k == follower.leader)).map(|f| f.variable);
         own().chain(led).collect::<BTreeSet<_>>().into_iter().collect()
     }
 

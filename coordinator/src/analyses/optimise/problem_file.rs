@@ -1,6 +1,6 @@
 //! Reader of the file of an optimisation problem, TOML; every fault is reported at once.
 
-use super::problem::{DesignProblem, DesignQuantity, Grade, QuantityKind, ReliabilityTarget, StudiedDesigns};
+use super::problem::{DesignProblem, DesignQuantity, Grade, QuantityKind, ReliabilityTarget};
 use super::problem_costs;
 use crate::analyses::designs::{DesignSpace, DesignVariable};
 use crate::analyses::quantity::{ShownUnit, checkpoint, limit_state};
@@ -50,7 +50,7 @@ pub fn read(
             }
         }
         let quantities = quantities.into_iter().flatten().collect();
-        DesignProblem { quantities, targets, fixed_bounds: fixed_bounds(source), designs: None }
+        DesignProblem { quantities, targets, fixed_bounds: fixed_bounds(source), ..DesignProblem::default() }
     })?;
     file.refuse_for(reader.impossible_bounds(&problem))?;
     let Some((space, studied)) = designs else { return Ok(problem) };
@@ -90,8 +90,7 @@ fn for_designs(
         }
     }
     file.refuse_for(faults)?;
-    let augmented = InputModel::from_scene(augmented);
-    Ok(DesignProblem { designs: Some(StudiedDesigns { augmented, followers }), ..problem })
+    Ok(DesignProblem { augmented: Some(InputModel::from_scene(augmented)), followers, ..problem })
 }
 
 /// The rows of a file for a scene. After a fault they are read on with values that have no meaning.

@@ -38,16 +38,6 @@ const STEP: f64 = 1e-3;
 /// Constraint of a design whose distributions do not exist.
 const IMPOSSIBLE: f64 = -20.0;
 
-/// Surrogate of one mode at the checkpoints of the targets.
-#[derive(Debug)]
-pub(super) struct ModeSurrogate<'a> {
-    pub model: &'a Kriging,
-    /// Threshold [unit of the output].
-    pub threshold: f64,
-    /// Dual coefficients of the model.
-    pub dual: Mat<f64>,
-}
-
 /// A target over the surrogates.
 #[derive(Debug, Clone)]
 pub(super) struct Constraint {
@@ -77,7 +67,8 @@ pub(super) struct DesignReliability<'a> {
     pub problem: &'a DesignProblem,
     /// Inputs of the study.
     pub reference: &'a InputModel,
-    pub surrogates: Vec<ModeSurrogate<'a>>,
+    /// Surrogate, threshold [unit of the output] and dual weights of every mode.
+    pub surrogates: Vec<(&'a Kriging, f64, Mat<f64>)>,
     pub constraints: Vec<Constraint>,
     /// Region of y in which the surrogates are trusted `(q,)`.
     pub region: Vec<(f64, f64)>,
@@ -94,7 +85,7 @@ impl<'a> DesignReliability<'a> {
     pub fn new(
         problem: &'a DesignProblem,
         reference: &'a InputModel,
-        surrogates: Vec<ModeSurrogate<'a>>,
+        surrogates: Vec<(&'a Kriging, f64, Mat<f64>)>,
         constraints: Vec<Constraint>,
         seed: u64,
         y: &[f64],
@@ -198,15 +189,14 @@ impl<'a> DesignReliability<'a> {
             let points = MatRef::from_column_major_slice(&z, d, count);
             let column = constraint.column;
             let margin = |mode: &usize| -> Vec<f64> {
-                let ModeSurrogate { model, threshold, dual } = &surrogates[*mode];
-                let scale = model.sigma2()[column].sqrt().max(f64::MIN_POSITIVE);
+                let (model, threshold, dual) = &surrogates[*mode];
+                let scale = model.sigma2[column].sqrt().max(f64::MIN_POSITIVE);
                 let mean = model.predict_means(points, dual, column..column + 1);
                 (0..count).map(|j| (mean[(0, j)] - threshold) / scale).collect()
             };
             constraint.modes.iter().map(margin).collect::<Vec<_>>()
         };
-        let starts: Vec<usize> = (0..b).step_by(BLOCK).collect();
-        let blocks: Vec<Vec<Vec<f64>>> = starts.into_par_iter().map(block).collect();
+        let blocks: Vec<Vec<Vec<f64>>> = (0..b).into_par_iter().step_by(BLOCK).map(block).collect();
         Mat::from_fn(constraint.modes.len(), b, |i, j| blocks[j / BLOCK][i][j % BLOCK])
     }
 

@@ -2,7 +2,7 @@
 
 use super::reliability::{DesignReliability, FreeDesign, TargetValue};
 use super::result::Grades;
-use crate::statistics::optimisation::{cheapest_choice, minimise, nearest};
+use crate::statistics::optimisation::{Program, cheapest_choice, minimise, nearest};
 
 /// Constraint that counts as met [1].
 const MET: f64 = -1e-4;
@@ -66,11 +66,11 @@ fn from_start(reliability: &mut DesignReliability<'_>, start: &[f64]) -> Solved 
         let mut found = minimise(&design, count, &y);
         if !found.feasible {
             let best = nearest(&design, count, &found.x);
-            if least(best.constraints.iter().copied()) < MET {
-                (y, feasible) = (best.x, false);
+            if least(design.constraints(&best).into_iter()) < MET {
+                (y, feasible) = (best, false);
                 continue;
             }
-            found = minimise(&design, count, &best.x);
+            found = minimise(&design, count, &best);
         }
         let scale = design.reliability.cost_scale;
         (y, feasible) = (found.x, found.feasible);

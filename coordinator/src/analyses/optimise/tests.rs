@@ -118,8 +118,7 @@ fn the_optimum_of_youn_and_choi_is_found_and_confirmed() {
     let problem = DesignProblem {
         quantities: (0..2).map(|k| quantity(k, QuantityKind::Mean, (0.0, 10.0), linear())).collect(),
         targets: (0..3).map(|g| target(Some(g), standard_normal_cdf(2.0))).collect(),
-        fixed_bounds: vec![],
-        designs: None,
+        ..DesignProblem::default()
     };
     let study = study(&variables, 3, 10, &youn_choi);
     let found = run(&study, &problem, 70, &youn_choi);
@@ -157,8 +156,7 @@ fn stack_problem(reliability: f64) -> DesignProblem {
             .map(|k| quantity(k, QuantityKind::Std, (0.02, 0.8), cost([1.0, 0.5, 2.0][k])))
             .collect(),
         targets: vec![target(None, reliability)],
-        fixed_bounds: vec![],
-        designs: None,
+        ..DesignProblem::default()
     }
 }
 
@@ -288,8 +286,7 @@ fn youn_choi_problem(beta: f64) -> DesignProblem {
     DesignProblem {
         quantities: (0..2).map(|k| quantity(k, QuantityKind::Mean, (0.5, 9.5), linear())).collect(),
         targets: (0..3).map(|g| target(Some(g), standard_normal_cdf(beta))).collect(),
-        fixed_bounds: vec![],
-        designs: None,
+        ..DesignProblem::default()
     }
 }
 
@@ -364,8 +361,7 @@ fn issue_wide_bounds_are_crossed_by_visits_that_spread_over_them() {
     let problem = DesignProblem {
         quantities: (0..2).map(|k| quantity(k, QuantityKind::Mean, bounds[k], linear())).collect(),
         targets: vec![target(None, standard_normal_cdf(2.5))],
-        fixed_bounds: vec![],
-        designs: None,
+        ..DesignProblem::default()
     };
     let found = run(&study, &problem, 100, &column);
     let sides: Vec<f64> = found.values.iter().map(|side| side.exp()).collect();

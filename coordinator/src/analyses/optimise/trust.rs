@@ -51,7 +51,7 @@ fn with_laws(
     changed: impl Fn(usize, &Distribution) -> Option<Distribution>,
 ) -> InputModel {
     let law = |(k, law): (usize, &Distribution)| changed(k, law).unwrap_or_else(|| law.clone());
-    InputModel::new(inputs.variables().iter().enumerate().map(law).collect(), inputs.copula().clone())
+    InputModel::new(inputs.variables().iter().enumerate().map(law).collect(), inputs.copula.clone())
 }
 
 /// The inputs of a visit to the design `inputs`: its variables are spread over the region that it will support.
@@ -111,8 +111,7 @@ mod tests {
         let problem = DesignProblem {
             quantities: vec![quantity(0), quantity(1)],
             targets: vec![],
-            fixed_bounds: vec![],
-            designs: None,
+            ..DesignProblem::default()
         };
         let inputs =
             InputModel::from(&[(3.0, 0.4), (3.0, 0.001)].map(|(m, s)| Distribution::normal(m, s).unwrap()));

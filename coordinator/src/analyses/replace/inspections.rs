@@ -94,7 +94,7 @@ pub fn inspect(
 ) -> Result<Vec<InspectionRow>, RefusedQuestion> {
     let times = |schedule: &Schedule| schedule.lives(model, plan.output);
     let schedules: Vec<Vec<f64>> = plan.schedules.iter().map(times).collect::<Result<_, _>>()?;
-    let population = Population::draw(model.inputs(), UNITS, seed);
+    let population = Population::draw(&model.inputs, UNITS, seed);
     let width = model.deviations();
     let deviations: Vec<f64> = (0..UNITS).flat_map(|j| (0..width).map(move |s| deviation(s, j))).collect();
     let responses = model.respond(population.columns(0..UNITS), &deviations, &[plan.output]);
@@ -120,16 +120,16 @@ pub fn inspect(
         let value = |j: usize, t: &f64| response(model.value_at(plan.output, &responses.histories[0], j, *t));
         let values = (0..UNITS).flat_map(|j| times.iter().map(move |t| value(j, t))).collect();
         let samples = InspectedSamples { lives: lives.clone(), times, values, error: plan.error, two_sided };
-        let policy = best_policy(&samples, &plan.costs)?;
-        let outcome = outcome_of(&samples, &policy, &plan.costs);
-        let (level, lower_level) = level_of(policy.level);
+        let policy @ (level, last) = best_policy(&samples, &plan.costs)?;
+        let outcome = outcome_of(&samples, policy, &plan.costs);
+        let (level, lower_level) = level_of(level);
         let by_level = outcome.by_level > 0.0;
         Some(InspectionRow {
             every: if let Schedule::Every(every) = schedule { Some(*every) } else { None },
             output: scene.outputs[plan.output].name.clone(),
             level: by_level.then_some(level),
             lower_level: lower_level.filter(|_| by_level),
-            age: samples.times[policy.last],
+            age: samples.times[last],
             outcome,
         })
     };

@@ -16,7 +16,7 @@ use super::error::RefusedQuestion;
 use crate::results::life_summary::{LifeCurveRow, LifeRow};
 use crate::results::summary::{ReliabilityRow, StudySummary};
 use crate::statistics::design::{Stream, open_stream};
-use crate::statistics::replacement::{AgeReplacement, CurveBand, Interval, ReplacementCosts, SurvivalCurve};
+use crate::statistics::replacement::{AgeReplacement, CurveBand, ReplacementCosts, SurvivalCurve};
 use serde::Serialize;
 
 /// Points of the curve of the cost rate.
@@ -37,15 +37,6 @@ pub struct Stated {
     pub lower: f64,
     /// Upper limit of its interval.
     pub upper: f64,
-}
-
-/// A reliability that is to hold up to the replacement.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct DemandedReliability {
-    /// Least reliability at the age of replacement [1].
-    pub reliability: f64,
-    /// Confidence with which it holds, over the errors of the study [1].
-    pub confidence: f64,
 }
 
 /// The age of replacement under a demand.
@@ -181,7 +172,7 @@ pub fn replace(
     summary: &StudySummary,
     name: &str,
     costs: &ReplacementCosts,
-    demand: Option<DemandedReliability>,
+    demand: Option<(f64, f64)>,
 ) -> Result<ReplacementReport, RefusedQuestion> {
     check_costs(costs)?;
     let row = curve_of(summary, name)?;
@@ -201,7 +192,7 @@ pub fn replace(
     let band = CurveBand::new(&cycles, &reliability, [&lower, &upper], summary.population, &mut rng);
     let stated = |of: &dyn Fn(&SurvivalCurve) -> Option<f64>| {
         let value = of(&band.best)?;
-        band.interval(of).map(|Interval { lower, upper }| Stated { value, lower, upper })
+        band.interval(of).map(|[lower, upper]| Stated { value, lower, upper })
     };
     let sure = |of: &dyn Fn(&SurvivalCurve) -> f64| {
         stated(&|curve| Some(of(curve))).expect("every curve has this number")
@@ -211,15 +202,15 @@ pub fn replace(
     let checkpoints: Vec<f64> = summary.reliability.iter().map(|row| f64::from(row.cycles)).collect();
     let rate = |k: usize| {
         let (from, to) = (if k == 0 { 0.0 } else { checkpoints[k - 1] }, checkpoints[k]);
-        let density = sure(&|curve| curve.rate(from, to).density);
-        RateRow { from, to, density, hazard: stated(&|curve| curve.rate(from, to).hazard) }
+        let density = sure(&|curve| curve.rate(from, to).0);
+        RateRow { from, to, density, hazard: stated(&|curve| curve.rate(from, to).1) }
     };
     let at = |k: usize| {
         let age = end * k as f64 / POINTS as f64;
         let cost = sure(&|curve| costs.rate(curve, age));
         [age, cost.value, cost.lower, cost.upper]
     };
-    let demanded = demand.map(|DemandedReliability { reliability, confidence }| {
+    let demanded = demand.map(|(reliability, confidence)| {
         let latest = band.surely_until(reliability, confidence);
         // An earlier limit is the best age up to there, unless an earlier minimum lies before it.
         let ages = (1..=POINTS).map(|k| latest * k as f64 / POINTS as f64);

@@ -78,7 +78,7 @@ fn a_weibull_life_is_replaced_at_its_age_and_by_its_level() {
 
     // A demanded reliability moves the replacement to an earlier age, which costs more; one that holds longer changes nothing.
     let demanded = |reliability| {
-        let demand = DemandedReliability { reliability, confidence: 0.9 };
+        let demand = (reliability, 0.9);
         replace(&summary, "total", &COSTS, Some(demand)).unwrap().demanded.unwrap()
     };
     let (strict, loose) = (demanded(0.99), demanded(0.2));

@@ -13,7 +13,7 @@ use crate::analyses::replace::curve_of;
 use crate::results::summary::StudySummary;
 use crate::statistics::replacement::SurvivalCurve;
 use crate::statistics::test_plan::{
-    BetaPrior, GroupPlan, PriorRisks, mean_length, pass_probability, reliability_passed, units,
+    BetaPrior, group_plan, mean_length, pass_probability, reliability_passed, units,
 };
 use serde::Serialize;
 
@@ -69,9 +69,12 @@ pub struct PlanRow {
 pub struct PriorPlan {
     /// Number of units.
     pub units: u64,
-    /// Probabilities over the prior.
-    #[serde(flatten)]
-    pub risks: PriorRisks,
+    /// Probability over the prior that the test is passed [1].
+    pub passed: f64,
+    /// That R < R0 although it was passed: the error of the first kind [1].
+    pub wrongly_passed: f64,
+    /// That it is failed although R >= R0: the error of the second kind [1].
+    pub wrongly_failed: f64,
     /// Probability of passing with R = R0, whatever the prior says [1].
     pub passed_at_limit: f64,
 }
@@ -189,8 +192,10 @@ pub fn plan(
             let found = question.units.or_else(|| units(seen, allowed, confidence));
             let with_prior = prior.as_ref().map(|(law, _)| {
                 let units = law.units_for(reliability, allowed, confidence, power)?;
-                let risks = law.risks(reliability, (units, allowed), power);
-                Some(PriorPlan { units, risks, passed_at_limit: pass_probability(units, allowed, seen) })
+                let [passed, wrongly_passed, wrongly_failed] =
+                    law.risks(reliability, (units, allowed), power);
+                let passed_at_limit = pass_probability(units, allowed, seen);
+                Some(PriorPlan { units, passed, wrongly_passed, wrongly_failed, passed_at_limit })
             });
             // Of the lengths that were not asked for, those without a plan are left out.
             let is_extra = question.lengths.is_empty() && power.to_bits() != 1.0_f64.to_bits();
@@ -214,8 +219,7 @@ pub fn plan(
     if let Some(size) = question.group {
         let shape = need("--group")?;
         groups.extend(GROUPS.map(|groups| {
-            let GroupPlan { length, passes, .. } =
-                GroupPlan::new(groups, size, reliability, confidence, shape);
+            let (length, passes) = group_plan(groups, size, reliability, confidence, shape);
             GroupRow { groups, cycles: at * length, passes }
         }));
     }

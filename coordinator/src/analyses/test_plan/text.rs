@@ -1,6 +1,6 @@
 //! The answer of `coordinator test-plan` with its tables.
 
-use super::{GroupRow, PlanRow, PriorPlan, PriorRow, TestPlanReport};
+use super::{GroupRow, PlanRow, PriorRow, TestPlanReport};
 use crate::presentation::report::answer::{Answer, AnswerPart, Table};
 use crate::presentation::report::format::{count, percent, significant, three_digits, whole};
 
@@ -24,9 +24,9 @@ pub fn answer(report: &TestPlanReport) -> Answer {
         let PlanRow { cycles, allowed, units, passes, mean_cycles, .. } = plan;
         let mut cells = vec![whole(*cycles), allowed.to_string(), count(*units), significant(*passes, 6)];
         cells.extend(mean_cycles.map(whole));
-        if let Some(PriorPlan { units, risks, passed_at_limit }) = plan.with_prior {
-            cells.push(count(units));
-            let shares = [risks.passed, risks.wrongly_passed, risks.wrongly_failed, passed_at_limit];
+        if let Some(prior) = plan.with_prior {
+            cells.push(count(prior.units));
+            let shares = [prior.passed, prior.wrongly_passed, prior.wrongly_failed, prior.passed_at_limit];
             cells.extend(shares.map(percent));
         }
         cells

@@ -15,9 +15,7 @@ pub struct TradeoffPlan {
 /// Evaluations of the reference and of every setting.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measurement {
-    /// Number of points with complete evaluations: the first ones of the plan.
-    pub points: usize,
-    /// Evaluations of `reference` at these points `(points,)`.
+    /// Evaluations of `reference` at the points with complete evaluations, the first ones of the plan `(points,)`.
     pub reference: Vec<Finished>,
     /// Evaluations of every setting of the plan at these points `(settings)(points,)`.
     pub settings: Vec<Vec<Finished>>,
@@ -53,7 +51,7 @@ impl TradeoffPlan {
         let points: Vec<Vec<Finished>> = points.collect();
         let column = |k: usize| points.iter().map(|point| point[k].clone()).collect();
         let (reference, settings) = (column(0), (1..per_point).map(column).collect());
-        (Measurement { points: points.len(), reference, settings }, end)
+        (Measurement { reference, settings }, end)
     }
 }
 
@@ -135,7 +133,7 @@ mod tests {
             assert_eq!(count, format!("{}/9", seen.len()));
         });
         assert!(end.is_ok());
-        assert_eq!(found.points, 3);
+        assert_eq!(found.reference.len(), 3);
         for (measured, jump) in [
             (&found.reference, common::accuracy::Accuracy::reference().cycle_jump),
             (&found.settings[0], common::accuracy::Accuracy::draft().cycle_jump),
@@ -159,7 +157,7 @@ mod tests {
             interrupted.store(text.starts_with("5/9 "), Ordering::Relaxed);
         });
         assert!(matches!(end, Err(EvaluateError::Interrupted)));
-        assert_eq!((found.points, found.reference.len(), found.settings[1].len()), (1, 1, 1));
+        assert_eq!((found.reference.len(), found.settings[1].len()), (1, 1));
     }
 
     #[test]

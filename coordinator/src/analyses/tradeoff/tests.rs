@@ -44,7 +44,6 @@ fn measurement() -> Measurement {
         vec![measured(seconds, &history, stated), measured(seconds, &higher, stated)]
     };
     Measurement {
-        points: 2,
         reference: two_points(9.0, [1.0, 2.0, 3.0, 4.0], 0.01),
         settings: vec![
             // Half a unit too high: 2.5 is reached 500 cycles early.

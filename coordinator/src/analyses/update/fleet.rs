@@ -106,7 +106,7 @@ pub(in crate::analyses) fn posterior(
 ) -> Result<UnitPosterior, Unsupported> {
     let (evidence, predictor) = evidence_of(prior, unit, settings);
     let predictions = predictor.predictions(&prior.states, &prior.wanted, &prior.responses);
-    let dimension = prior.model.inputs().dimension() + prior.model.deviations();
+    let dimension = prior.model.inputs.dimension() + prior.model.deviations();
     let particles = Particles::equal(dimension, prior.states.clone(), predictions);
     let mut rng = open_stream(settings.seed, Stream::Unit(number as u32));
     settings.monte_carlo.update(particles, &evidence, &predictor, &mut rng)
@@ -233,11 +233,11 @@ fn remaining(model: &LifeModel, posterior: &UnitPosterior, now: f64) -> Remainin
 
 fn variables(scene: &Scene, model: &LifeModel, posterior: &UnitPosterior) -> Vec<UpdatedVariable> {
     let particles = &posterior.particles;
-    let d = model.inputs().dimension();
+    let d = model.inputs.dimension();
     // Particles without weight say nothing.
     let least = 1e-9 / particles.len() as f64;
     let kept = (0..particles.len()).filter(|i| particles.weights[*i] > least);
-    let values = |i: usize| model.inputs().from_independent_normals(&particles.state(i)[..d]);
+    let values = |i: usize| model.inputs.from_independent_normals(&particles.state(i)[..d]);
     let rows: Vec<(f64, Vec<f64>)> = kept.map(|i| (particles.weights[i], values(i))).collect();
     let sum: f64 = rows.iter().map(|(w, _)| w).sum();
     let mean_of = |of: &dyn Fn(&[f64]) -> f64| rows.iter().map(|(w, x)| w * of(x)).sum::<f64>() / sum;

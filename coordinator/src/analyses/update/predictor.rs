@@ -21,7 +21,7 @@ pub(in crate::analyses) struct Prior<'a> {
 impl<'a> Prior<'a> {
     /// The first `points` points of the population of the study with this seed.
     pub fn new(model: &'a LifeModel, wanted: Vec<usize>, points: usize, seed: u64) -> Self {
-        let inputs = model.inputs();
+        let inputs = &model.inputs;
         let population = Population::draw(inputs, points, seed);
         let width = model.deviations();
         let deviations: Vec<f64> =
@@ -34,7 +34,7 @@ impl<'a> Prior<'a> {
             };
             let u: Vec<f64> = inputs.variables().iter().zip(&x).map(normal).collect();
             let own = &deviations[j * width..(j + 1) * width];
-            [inputs.copula().decorrelate(&u).as_slice(), own].concat()
+            [inputs.copula.decorrelate(&u).as_slice(), own].concat()
         };
         let states = (0..population.len()).into_par_iter().flat_map_iter(normals).collect();
         let responses = model.respond(population.columns(0..population.len()), &deviations, &wanted);
@@ -56,7 +56,7 @@ pub(in crate::analyses) struct UnitPredictor<'a> {
 impl UnitPredictor<'_> {
     /// Predictions from lives and histories of `wanted` outputs; `states` are rows of `dimension` coordinates.
     pub fn predictions(&self, states: &[f64], wanted: &[usize], responses: &LifeResponses) -> Predictions {
-        let (model, d) = (self.model, self.model.inputs().dimension());
+        let (model, d) = (self.model, self.model.inputs.dimension());
         let predicted = |(j, v): (usize, &[f64]), (measured, life): &(Observable, f64)| match *measured {
             Observable::Output(output) => {
                 let place = wanted.iter().position(|w| *w == output).unwrap_or(0);
@@ -75,7 +75,7 @@ impl UnitPredictor<'_> {
 
 impl UnitModel for UnitPredictor<'_> {
     fn predict(&self, states: &[f64]) -> Predictions {
-        let (inputs, width) = (self.model.inputs(), self.model.deviations());
+        let (inputs, width) = (&self.model.inputs, self.model.deviations());
         let d = inputs.dimension();
         let rows = states.chunks_exact(d + width);
         let standardised = |v: &[f64]| inputs.standardise(&inputs.from_independent_normals(&v[..d]));
@@ -89,8 +89,8 @@ impl UnitModel for UnitPredictor<'_> {
 
 /// Variable `k` [SI] from independent normals `(d,)`.
 fn physical(model: &LifeModel, v: &[f64], k: usize) -> f64 {
-    let inputs = model.inputs();
-    if inputs.copula().is_correlated(k) {
+    let inputs = &model.inputs;
+    if inputs.copula.is_correlated(k) {
         return inputs.from_independent_normals(v)[k];
     }
     inputs.variables()[k].from_standard_normal(v[k])

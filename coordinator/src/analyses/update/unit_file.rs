@@ -11,7 +11,7 @@
 use super::observation::{
     FleetData, Moment, Observable, Observation, ObservedUnit, Quantity, UnknownParameter,
 };
-use crate::analyses::quantity::output_quantity;
+use crate::analyses::quantity::{output_quantity, positive};
 use crate::presentation::format::shortest;
 use crate::statistics::updating::is_positive_family;
 use crate::study::LifeModel;
@@ -140,7 +140,7 @@ impl UnitReader<'_> {
         let name = row.text("quantity", "failed, an output or a random variable")?;
         let (_, of) = self.named(row, name, &["failed"])?;
         let text = row.text_or("value", "a price", "")?;
-        Some((of, positive(row, "value", text, "a number above 0")?))
+        Some((of, positive(row, "value", text, f64::INFINITY, "a number above 0")?))
     }
 
     fn quantity(&self, name: &str, row: &mut Section) -> Option<Quantity> {
@@ -185,7 +185,7 @@ impl UnitReader<'_> {
         let error = Some(row.text_or("error", "a number of cycles", "")?).filter(|error| !error.is_empty());
         let allowed = "the standard deviation of the life at which it failed, a number of cycles above 0, or nothing if \
                        it failed at some life until then";
-        let error = error.and_then(|error| positive(row, "error", error, allowed));
+        let error = error.and_then(|error| positive(row, "error", error, f64::INFINITY, allowed));
         Some(Quantity::Failed { by, error })
     }
 
@@ -199,7 +199,7 @@ impl UnitReader<'_> {
         let (variable, word) = name.rsplit_once('.').unwrap_or((name, ""));
         let variables = self.scene.variables.iter().map(|variable| variable.name.as_str());
         let k = row.meant("quantity", "random variable", variable, variables)?;
-        let distribution = &self.model.inputs().variables()[k];
+        let distribution = &self.model.inputs.variables()[k];
         let is_design = designs.contains(&k);
         let moment = match (word, is_design) {
             ("mean", false) | ("", true) => Moment::Mean,
@@ -220,7 +220,7 @@ impl UnitReader<'_> {
             Distribution::Exponential(_) if moment == Moment::Std => {
                 Some("is exponential: its mean is its one parameter")
             }
-            _ if self.model.inputs().copula().is_correlated(k) => {
+            _ if self.model.inputs.copula.is_correlated(k) => {
                 Some("is correlated with another variable; only parameters of independent ones are learned")
             }
             _ => None,
@@ -286,15 +286,6 @@ impl UnitReader<'_> {
         }
         read
     }
-}
-
-/// A number above 0 from a cell; `allowed` says what may stand there.
-fn positive(row: &Section, column: &str, text: &str, allowed: &str) -> Option<f64> {
-    let read = text.parse::<f64>().ok().filter(|value| *value > 0.0 && value.is_finite());
-    if read.is_none() {
-        row.inconsistent(column, format!("{text:?}: allowed: {allowed}"));
-    }
-    read
 }
 
 /// Observations of a unit, in order, that cannot be true together: line, column and why.

@@ -24,15 +24,15 @@ pub fn row(
     base: &CampaignResult,
     found: &LearnedVariant,
 ) -> VariantRow {
-    let [evaluations, failed] = found.evaluations;
+    let (learned, [evaluations, failed]) = found;
     let row = VariantRow {
         name: variant.name.clone(),
         changes: variant.changes.clone(),
-        evaluations,
-        failed,
+        evaluations: *evaluations,
+        failed: *failed,
         ..VariantRow::default()
     };
-    let Some(learned) = &found.learned else { return row };
+    let Some(learned) = learned else { return row };
     let summary = |learned| -> StudySummary { result_of(scene, settings, learned, Instant::now()).summary };
     let (before, after) = (summary(base), summary(learned));
     let [first, changed] = [base, learned].map(|learned| learned.assessment.first_failures());

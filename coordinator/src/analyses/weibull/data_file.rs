@@ -11,6 +11,7 @@
 //! `survived` and `failed`, whose value is the limit state; a failure without an error was found at its life and lies after the last
 //! life survived. What was measured is left out. Further columns are left out, too.
 
+use crate::analyses::quantity::positive;
 use crate::statistics::life_data::UnitLife;
 use common::scene::{Faults, Section, csv_rows, read_rows, read_text};
 use std::path::Path;
@@ -133,12 +134,8 @@ fn add(row: &mut Section, word: &'static str, question: &LifeQuestion<'_>, units
 /// A number of cycles above 0, up to `end`.
 fn life(row: &mut Section, column: &'static str, end: f64) -> Option<f64> {
     let text = row.text(column, "a number of cycles")?;
-    let read = text.parse::<f64>().ok().filter(|life| *life > 0.0 && life.is_finite() && *life <= end);
-    if read.is_none() {
-        let up_to = if end.is_finite() { format!(" and up to {end:.0}") } else { String::new() };
-        row.inconsistent(column, format!("{text:?}: allowed: a number of cycles above 0{up_to}"));
-    }
-    read
+    let up_to = if end.is_finite() { format!(" and up to {end:.0}") } else { String::new() };
+    positive(row, column, text, end, &format!("a number of cycles above 0{up_to}"))
 }
 
 #[cfg(test)]

@@ -20,9 +20,7 @@ use crate::analyses::replace::curve_of;
 use crate::results::summary::StudySummary;
 use crate::statistics::design::{Stream, open_stream};
 use crate::statistics::goodness_of_fit::{GoodnessOfFit, anderson_darling};
-use crate::statistics::life_data::{
-    CurveTest, NoMaximum, UnitLife, WeibullFit, evidence_of_curve, test_of_curve,
-};
+use crate::statistics::life_data::{NoMaximum, UnitLife, WeibullFit, evidence_of_curve, test_of_curve};
 use crate::statistics::replacement::CurveBand;
 use common::random::Family;
 
@@ -59,8 +57,10 @@ pub struct StudyEvidence {
     pub limits: [Vec<f64>; 2],
     /// Logarithms of the evidence of the study and of the Weibull distribution.
     pub ln_evidence: [f64; 2],
-    /// Test of the best estimate.
-    pub test: CurveTest,
+    /// Probability of data that agree no better with the best estimate [1].
+    pub p: f64,
+    /// Failures that it expects until the units' lives.
+    pub expected: f64,
     /// Largest p of any curve of the band [1].
     pub largest_p: f64,
 }
@@ -93,14 +93,16 @@ impl WeibullReport {
         let limits = row.limits();
         let mut rng = open_stream(summary.seed, Stream::Curve);
         let band = CurveBand::new(&row.cycles, &row.reliability, limits, points, &mut rng);
-        let p = |curve| test_of_curve(curve, points, &self.lives).p;
-        let largest_p = band.curves().map(p).fold(0.0, f64::max);
+        let (p, expected) = test_of_curve(&band.best, points, &self.lives);
+        let of_curve = |curve| test_of_curve(curve, points, &self.lives).0;
+        let largest_p = band.curves().map(of_curve).fold(0.0, f64::max);
         let ln_weibull = self.fit.ln_likelihood - (self.failures() as f64).ln();
         self.study = Some(StudyEvidence {
             scene: summary.scene.clone(),
             curve: row.limit_state.clone(),
             ln_evidence: [evidence_of_curve(&band, points, &self.lives), ln_weibull],
-            test: test_of_curve(&band.best, points, &self.lives),
+            p,
+            expected,
             largest_p,
             limits: limits.map(<[f64]>::to_vec),
             band,

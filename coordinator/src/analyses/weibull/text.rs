@@ -75,20 +75,20 @@ fn quantities(report: &WeibullReport) -> Vec<(String, FitBounds)> {
 
 /// The study against the data, in sentences.
 fn against_study(study: &StudyEvidence, report: &WeibullReport) -> Vec<String> {
-    let StudyEvidence { scene, curve, ln_evidence: [physics, weibull], test, largest_p, .. } = study;
+    let StudyEvidence { scene, curve, ln_evidence: [physics, weibull], largest_p, .. } = study;
     let observed = report.failures();
     let [first, second] = if physics >= weibull { ["study", "Weibull"] } else { ["Weibull", "study"] };
-    let [p, most] = [test.p, *largest_p].map(three_digits);
+    let [p, most] = [study.p, *largest_p].map(three_digits);
     let verdict = if *largest_p < CONTRADICTS {
         format!("The data contradict the study: every curve of its 95 % band is rejected, p = {most} at most")
-    } else if test.p < CONTRADICTS {
+    } else if study.p < CONTRADICTS {
         format!(
             "The data contradict the best estimate of the study, p = {p}, but not every curve of its 95 % band, p = {most} at most"
         )
     } else {
         format!("The data do not contradict the study, p = {p}")
     };
-    let expected = significant(test.expected, 3);
+    let expected = significant(study.expected, 3);
     let factor = three_digits((physics - weibull).abs().min(600.0).exp());
     vec![
         format!(
@@ -104,10 +104,7 @@ fn against_study(study: &StudyEvidence, report: &WeibullReport) -> Vec<String> {
 /// R over life: the distribution with its Fisher band, the data by the estimate of Kaplan and Meier, the study with its band.
 fn figure(report: &WeibullReport) -> Figure {
     let WeibullReport { fit, confidence, lives, .. } = report;
-    let longest = lives.iter().map(|unit| match *unit {
-        UnitLife::Failed(t) | UnitLife::Running(t) | UnitLife::Interval(_, t) => t,
-    });
-    let end = longest.fold(fit.law.life_at(0.05), f64::max);
+    let end = lives.iter().map(UnitLife::last).fold(fit.law.life_at(0.05), f64::max);
     let times = || (1..=POINTS).map(|k| end * k as f64 / POINTS as f64);
     let band = times().map(|t| {
         let [lower, upper] = fit.reliability(t, *confidence);
@@ -120,9 +117,9 @@ fn figure(report: &WeibullReport) -> Figure {
     ];
     if let Some(study) = &report.study {
         let [lower, upper] = &study.limits;
-        let cycles = study.band.best.times();
+        let cycles = &study.band.best.times;
         let band = cycles.iter().zip(lower.iter().zip(upper)).map(|(t, (lower, upper))| (*t, *lower, *upper));
-        let best = cycles.iter().zip(study.band.best.values()).map(|(t, r)| (*t, *r));
+        let best = cycles.iter().zip(&study.band.best.reliability).map(|(t, r)| (*t, *r));
         series.push(Series::unlisted("study, band", Ink::Series(1), Shape::Band(band.collect())));
         series.push(Series::new("study", Ink::Series(1), Shape::Dashed(best.collect())));
     }
@@ -138,11 +135,7 @@ fn figure(report: &WeibullReport) -> Figure {
 /// # Source
 /// Kaplan, Meier (1958), Nonparametric estimation from incomplete observations, JASA 53.
 fn kaplan_meier(lives: &[UnitLife]) -> Vec<(f64, f64)> {
-    let at = |unit: &UnitLife| match *unit {
-        UnitLife::Failed(t) | UnitLife::Interval(_, t) => (t, true),
-        UnitLife::Running(t) => (t, false),
-    };
-    let mut ordered: Vec<(f64, bool)> = lives.iter().map(at).collect();
+    let mut ordered: Vec<_> = lives.iter().map(|unit| (unit.last(), unit.has_failed())).collect();
     // Of equal lives failures come first.
     ordered.sort_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
     let (mut r, count) = (1.0, ordered.len());
@@ -163,8 +156,8 @@ pub fn json(report: &WeibullReport) -> Value {
     let study = report.study.as_ref().map(|study| {
         json!({
             "scene": study.scene, "curve": study.curve, "ln_evidence_study": study.ln_evidence[0],
-            "ln_evidence_weibull": study.ln_evidence[1], "p": study.test.p, "largest_p": study.largest_p,
-            "expected_failures": study.test.expected, "contradicted": study.largest_p < CONTRADICTS,
+            "ln_evidence_weibull": study.ln_evidence[1], "p": study.p, "largest_p": study.largest_p,
+            "expected_failures": study.expected, "contradicted": study.largest_p < CONTRADICTS,
         })
     });
     json!({

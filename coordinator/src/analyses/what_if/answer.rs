@@ -99,7 +99,7 @@ pub fn ask(study: &FinishedStudy<'_>, changed: &Scene) -> Result<WhatIf, StudyEr
         lives: paired.lives(&before_summary, &after_summary),
         region,
         agreement: summary.map(|summary| agreement(summary, &before_summary)),
-        surrogate_error: after.assessment.errors.largest(),
+        surrogate_error: after.assessment.figures.error,
         target_error: settings.targets().error,
         is_rare: summary.is_some_and(|summary| summary.conditional.is_some()),
         simulations: outcomes.len(),

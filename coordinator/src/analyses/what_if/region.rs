@@ -65,15 +65,10 @@ impl Region {
     /// The region of the results of `after`, whose populations are those of `before` and `after`, in the same coordinates.
     pub fn new(scene: &Scene, before: &CampaignResult, after: &CampaignResult) -> Self {
         let d = scene.variables.len();
-        let mut ranges = vec![(f64::INFINITY, f64::NEG_INFINITY); d];
-        for z in after.observations.standardised() {
-            for (range, z) in ranges.iter_mut().zip(z) {
-                *range = (range.0.min(*z), range.1.max(*z));
-            }
-        }
+        let ranges = after.observations.ranges();
         let (outside_before, by_before) = shares_outside(before, &ranges);
         let (outside_after, by_after) = shares_outside(after, &ranges);
-        let inputs = before.classified.population.inputs();
+        let inputs = &before.classified.population.inputs;
         let variable = |k: usize| OutsideVariable {
             name: scene.variables[k].name.clone(),
             simulated_from: inputs.physical_value(k, ranges[k].0),

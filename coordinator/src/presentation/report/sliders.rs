@@ -46,8 +46,8 @@ pub fn chapter(page: &mut Page, input: &ReportInput) -> Markup {
     });
     let d = inputs.dimension();
     let unit = |k: usize| (0..d).map(|i| f64::from(u8::from(i == k))).collect::<Vec<f64>>();
-    let columns = (!inputs.copula().is_independent())
-        .then(|| (0..d).map(|k| inputs.copula().correlate(&unit(k))).collect::<Vec<_>>());
+    let columns = (!inputs.copula.is_independent())
+        .then(|| (0..d).map(|k| inputs.copula.correlate(&unit(k))).collect::<Vec<_>>());
     let states = input.scene.limit_states.iter().zip(&explicit.limit_states);
     let end = summary.reliability.last().map_or(0, |row| row.cycles);
     // A single limit state has the curve of the whole system.

@@ -20,7 +20,8 @@ use common::scene::Scene;
 #[derive(Debug, Clone, PartialEq)]
 pub struct InputModel {
     variables: Vec<Distribution>,
-    copula: GaussianCopula,
+    /// Dependence of the variables.
+    pub copula: GaussianCopula,
     /// Coordinate by which each variable is standardised `(d,)`.
     coordinates: Vec<Coordinate>,
 }
@@ -63,11 +64,6 @@ impl InputModel {
     /// Distributions of the variables `(d,)`.
     pub fn variables(&self) -> &[Distribution] {
         &self.variables
-    }
-
-    /// Copula of the variables.
-    pub fn copula(&self) -> &GaussianCopula {
-        &self.copula
     }
 
     /// The means of the variables `(d,)` [SI].

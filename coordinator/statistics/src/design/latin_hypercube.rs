@@ -33,7 +33,7 @@ pub fn latin_hypercube(inputs: &InputModel, n: usize, seed: u64) -> Vec<f64> {
         }
     }
     let place = |stratum: usize, within: f64| ((stratum as f64 + within) / n as f64).max(f64::EPSILON / 4.0);
-    if !inputs.copula().is_independent() {
+    if !inputs.copula.is_independent() {
         reorder(inputs, n, &mut strata, |i, stratum| standard_normal_quantile(place(stratum, within[i])));
     }
     let mut z = vec![0.0; n * d];
@@ -50,8 +50,8 @@ pub fn latin_hypercube(inputs: &InputModel, n: usize, seed: u64) -> Vec<f64> {
 fn reorder(inputs: &InputModel, n: usize, strata: &mut [usize], normal: impl Fn(usize, usize) -> f64) {
     let d = inputs.dimension();
     let v: Vec<f64> = strata.iter().enumerate().map(|(i, stratum)| normal(i, *stratum)).collect();
-    let u: Vec<Vec<f64>> = v.chunks_exact(d).map(|v| inputs.copula().correlate(v)).collect();
-    for k in (0..d).filter(|k| inputs.copula().is_correlated(*k)) {
+    let u: Vec<Vec<f64>> = v.chunks_exact(d).map(|v| inputs.copula.correlate(v)).collect();
+    for k in (0..d).filter(|k| inputs.copula.is_correlated(*k)) {
         let mut points: Vec<usize> = (0..n).collect();
         points.sort_by(|a, b| u[*a][k].total_cmp(&u[*b][k]));
         for (rank, i) in points.into_iter().enumerate() {

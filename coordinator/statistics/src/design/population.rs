@@ -29,10 +29,11 @@ use std::ops::Range;
 /// Points are stored in standardised coordinates z (see [`InputModel`]), `(n, d)` row-major; prediction reads them as `(d, n)` column-major blocks without a copy.
 #[derive(Debug, Clone)]
 pub struct Population {
-    inputs: InputModel,
+    /// The random variables.
+    pub inputs: InputModel,
     z: Vec<f64>,
     /// Index of the independent sample from which each point descends `(n,)`; empty if all points are independent.
-    origins: Vec<u32>,
+    pub origins: Vec<u32>,
     rng: ChaCha12Rng,
 }
 
@@ -92,16 +93,6 @@ impl Population {
         self.inputs.dimension()
     }
 
-    /// The input model: the random variables with their dependence.
-    pub fn inputs(&self) -> &InputModel {
-        &self.inputs
-    }
-
-    /// Index of the independent sample from which each point descends `(n,)`; empty if all points are independent.
-    pub fn origins(&self) -> &[u32] {
-        &self.origins
-    }
-
     /// Point `j` in standardised units `(d,)` [1].
     pub fn standardised(&self, j: usize) -> &[f64] {
         let d = self.dimension();
@@ -131,7 +122,7 @@ impl Population {
 pub fn choose_by_latin_hypercube(population: &Population, n: usize, seed: u64) -> Vec<usize> {
     let n = n.min(population.len());
     let d = population.dimension();
-    let targets = latin_hypercube(population.inputs(), n, seed);
+    let targets = latin_hypercube(&population.inputs, n, seed);
     let square = |j: usize, target: &[f64]| -> f64 {
         population.standardised(j).iter().zip(target).map(|(a, b)| (a - b) * (a - b)).sum()
     };
@@ -213,7 +204,7 @@ mod tests {
         let population = Population::draw(correlated(), n, 3);
         let u: Vec<Vec<f64>> = (0..4)
             .map(|k| {
-                let variable = &population.inputs().variables()[k];
+                let variable = &population.inputs.variables()[k];
                 column(&population, k).iter().map(|x| variable.to_standard_normal(*x)).collect()
             })
             .collect();
@@ -244,7 +235,7 @@ mod tests {
         for j in 0..50 {
             for (k, variable) in variables().iter().enumerate() {
                 let x = variable.quantile(rng.random::<f64>());
-                assert_eq!(population.standardised(j)[k], population.inputs().standardised_value(k, x));
+                assert_eq!(population.standardised(j)[k], population.inputs.standardised_value(k, x));
                 assert_eq!(population.physical_value(j, k), population.physical(j)[k]);
             }
         }

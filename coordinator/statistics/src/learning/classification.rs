@@ -123,7 +123,7 @@ pub fn classify_cached(
     let predict = |block: usize| cache.block(block).unwrap_or_else(|| anew(block * BLOCK));
     let ClassifiedMode { index, threshold, grid, inflation, by_mean } = *classified;
     let deviations = if by_mean { 0.0 } else { 1.0 };
-    let sigma: Vec<f64> = model.sigma2().iter().map(|sigma2| (sigma2 * inflation).sqrt()).collect();
+    let sigma: Vec<f64> = model.sigma2.iter().map(|sigma2| (sigma2 * inflation).sqrt()).collect();
     let a = grid.len();
     let mut mean = vec![0.0; points * a];
     let mut variance_factor = vec![0.0; points];
@@ -161,25 +161,19 @@ pub fn with_system(mut first_failures: Vec<Vec<u32>>) -> Vec<Vec<u32>> {
     first_failures
 }
 
-/// Failure shares by checkpoint `(modes + 1, m)` [1], each mode alone and last the system, from the first
-/// failures of the modes `(modes, N)`; `m` is the number of checkpoints.
+/// Failure shares of the first `m` checkpoints `(curves, m)` [1] from the indices of the first failures `(curves)(N,)`.
 pub fn curves<F: AsRef<[u32]>>(first_failures: &[F], m: usize) -> Vec<Vec<f64>> {
-    let points = first_failures[0].as_ref().len();
-    let share = |first: &mut dyn Iterator<Item = u32>| {
+    let share = |first: &F| {
         let mut counts = vec![0usize; m + 1];
-        first.for_each(|n| counts[n as usize] += 1);
+        first.as_ref().iter().for_each(|n| counts[*n as usize] += 1);
         let mut failed = 0;
         let cumulate = |count: &usize| {
             failed += count;
-            failed as f64 / points as f64
+            failed as f64 / first.as_ref().len() as f64
         };
-        counts[..m].iter().map(cumulate).collect::<Vec<f64>>()
+        counts[..m].iter().map(cumulate).collect()
     };
-    let mut curves: Vec<Vec<f64>> =
-        first_failures.iter().map(|first| share(&mut first.as_ref().iter().copied())).collect();
-    let earliest = |j: usize| first_failures.iter().map(|first| first.as_ref()[j]).min().unwrap_or(0);
-    curves.push(share(&mut (0..points).map(earliest)));
-    curves
+    first_failures.iter().map(share).collect()
 }
 
 /// U below which a classification counts as uncertain: Phi(-2) = 2.3 % risk of a wrong sign (Echard et al.

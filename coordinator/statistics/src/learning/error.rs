@@ -57,20 +57,6 @@ const UNCERTAINTY: f64 = 0.5;
 /// posterior's error.
 pub const SURROGATE_SAFETY: f64 = 1.5;
 
-/// Estimated surrogate errors of the failure shares at the checkpoints of the grid.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CurveErrors {
-    /// Errors `(modes + 1, a)` [1]: each mode alone, then the system.
-    pub by_curve: Vec<Vec<f64>>,
-}
-
-impl CurveErrors {
-    /// Largest error over curves and checkpoints [1].
-    pub fn largest(&self) -> f64 {
-        self.by_curve.iter().flatten().copied().fold(0.0, f64::max)
-    }
-}
-
 /// Estimates the surrogate errors of the failure shares. `coupled` `(N,)` is the coupled criterion of the
 /// population, `rng` the stream of the realisations. Variances are enlarged as those of the classifications.
 pub fn estimate_errors(
@@ -78,7 +64,7 @@ pub fn estimate_errors(
     coupled: &[Coupled],
     pool: &JointPool,
     rng: &mut impl Rng,
-) -> CurveErrors {
+) -> Vec<Vec<f64>> {
     let (a, points) = (modes[0].grid(), coupled.len());
     // Joint deviations of each mode from its mean at the pool's members, in units of sigma `(modes)(p, REALISATIONS)` [1].
     let realise = |posterior: &Posterior| {
@@ -96,7 +82,7 @@ pub fn estimate_errors(
         let error = |n| uncertain_share * counts.mean_square(n, pool).sqrt() + rest;
         (0..a).map(error).collect()
     };
-    CurveErrors { by_curve: counts.iter().map(errors).collect() }
+    counts.iter().map(errors).collect()
 }
 
 /// Failure counts over the sampled points, one per mode and last the system's.
@@ -197,7 +183,6 @@ const BLOCK: usize = 4096;
 /// noise variances over their process variances [1].
 pub fn noise_shifts(modes: &[Classification], roots: &[f64]) -> Vec<Vec<f64>> {
     let (a, points) = (modes[0].grid(), modes[0].variance_factor.len());
-    let blocks: Vec<usize> = (0..points).step_by(BLOCK).collect();
     let of_block = |start: usize| {
         let mut sums = vec![0.0; (modes.len() + 1) * a];
         for j in start..points.min(start + BLOCK) {
@@ -217,7 +202,7 @@ pub fn noise_shifts(modes: &[Classification], roots: &[f64]) -> Vec<Vec<f64>> {
         }
         sums
     };
-    let partial: Vec<Vec<f64>> = blocks.into_par_iter().map(of_block).collect();
+    let partial: Vec<Vec<f64>> = (0..points).into_par_iter().step_by(BLOCK).map(of_block).collect();
     let total = |i: usize| (partial.iter().map(|sums| sums[i]).sum::<f64>() / points as f64).abs();
     (0..=modes.len()).map(|c| (0..a).map(|n| total(c * a + n)).collect()).collect()
 }
@@ -252,7 +237,7 @@ mod tests {
         let coupled = vec![Coupled { system: 0.0, any: 0.0 }; n];
         let error = |distance| {
             let mut rng = open_stream(1, Stream::Realisations(0));
-            estimate_errors(&modes, &coupled, &joint(n, distance), &mut rng).by_curve[0][0]
+            estimate_errors(&modes, &coupled, &joint(n, distance), &mut rng)[0][0]
         };
         // All points sit on the limit and count as failed by their means; a realisation has half of them failed.
         // Together: the share is 0 or 1, of standard deviation 1/2, and half the shift of 1/2 is added. The trend's
@@ -271,7 +256,7 @@ mod tests {
         assert_eq!(choose_pool(&coupled, &[false, false], 0, 1, 0).members, [0usize; 0]);
         let mut rng = open_stream(1, Stream::Realisations(0));
         let errors = estimate_errors(&modes, &coupled, &joint(0, 1.0), &mut rng);
-        assert_eq!(errors.largest(), 0.0);
+        assert!(errors.iter().flatten().all(|error| *error == 0.0));
     }
 
     #[test]

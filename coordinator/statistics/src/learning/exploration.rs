@@ -181,7 +181,7 @@ mod tests {
             assert!(!requested[j] && known.iter().all(|z| distance(j, z) > 0.5));
         }
         // On the rim of a rare event, at its distance and in all directions but the one that is known.
-        let inputs = population.inputs();
+        let inputs = &population.inputs;
         let rim = draw_rim(inputs, 1e-5, &mut open_stream(1, Stream::Rim(0)));
         let points: Vec<&[f64]> = rim.iter().map(Vec::as_slice).collect();
         let known = [5.0, 0.0];

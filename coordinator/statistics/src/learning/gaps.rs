@@ -147,7 +147,7 @@ mod tests {
         );
         assert_eq!(none, None);
         // Of a small population every open point is there.
-        let few = Population::draw(population.inputs(), 10, 1);
+        let few = Population::draw(&population.inputs, 10, 1);
         let mut closed = vec![false; 10];
         closed[3] = true;
         let mut all = sample_of_open(&few, &closed, &mut open_stream(1, Stream::Gaps(0)));

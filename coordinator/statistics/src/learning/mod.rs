@@ -41,7 +41,7 @@ pub use classification::{
     Classification, ClassifiedMode, Coupled, UNCERTAIN, classify_cached, coupled_criterion, curves,
     dominance, with_system,
 };
-pub use error::{CurveErrors, SURROGATE_SAFETY, estimate_errors, noise_shifts};
+pub use error::{SURROGATE_SAFETY, estimate_errors, noise_shifts};
 pub use exploration::{draw_rim, explore, farthest};
 pub use gaps::{Gap, sample_of_open, widest_gap};
 pub use pool::{JointPool, Pool, choose_pool};

@@ -84,11 +84,11 @@ impl Selection {
 
     /// Place in the pool of the free member with the best score.
     fn best(&self, modes: &[Classification]) -> Option<usize> {
-        let near = Nearness::new(modes, &self.pool);
+        let (targeted, risk) = nearness(modes, &self.pool);
         let Self { feasible, governing, function, .. } = self;
         let mut score = match function {
-            LearningFunction::Gain if self.chosen.is_multiple_of(2) => gains(&self.pool, &near),
-            LearningFunction::Gain => near.risk.clone(),
+            LearningFunction::Gain if self.chosen.is_multiple_of(2) => gains(&self.pool, &targeted),
+            LearningFunction::Gain => risk,
             LearningFunction::U => self.scores(modes, |_, _| 1.0),
             LearningFunction::Coupled => {
                 self.scores(modes, |s, j| weight_by_dominance(modes, s, j, *governing))
@@ -139,45 +139,36 @@ fn weight_by_dominance(modes: &[Classification], s: usize, j: usize, governing: 
     }
 }
 
-/// Closeness of the members to the limits, with the present variances.
-struct Nearness {
-    /// H per mode `(modes)(p,)` [1].
-    targeted: Vec<Vec<f64>>,
-    /// Risk of a wrong classification `(p,)` [1].
-    risk: Vec<f64>,
-}
-
-impl Nearness {
-    fn new(modes: &[Classification], pool: &JointPool) -> Self {
-        let p = pool.members.len();
-        let mut risk = vec![0.0; p];
-        let mut targeted = vec![vec![0.0; p]; modes.len()];
-        for (s, mode) in modes.iter().enumerate() {
-            for (i, j) in pool.members.iter().enumerate() {
-                let variance = pool.posteriors[s].variance(i);
-                let root = variance.sqrt();
-                let left =
-                    if mode.variance_factor[*j] > 0.0 { variance / mode.variance_factor[*j] } else { 0.0 };
-                let mut density = 0.0;
-                for (n, mean) in mode.means_of(*j).iter().enumerate() {
-                    let u = distance_over_std(mean - mode.threshold, mode.sigma[n] * root);
-                    density += standard_normal_pdf(u);
-                    risk[i] += left * standard_normal_cdf(-u);
-                }
-                // Below this the point is known to rounding, and no variance is left to reduce.
-                targeted[s][i] = if variance > 1e-14 { density / variance } else { 0.0 };
+/// Closeness of the members to the limits, with the present variances: H per mode `(modes)(p,)` [1] and the risk of a wrong
+/// classification `(p,)` [1].
+fn nearness(modes: &[Classification], pool: &JointPool) -> (Vec<Vec<f64>>, Vec<f64>) {
+    let p = pool.members.len();
+    let mut risk = vec![0.0; p];
+    let mut targeted = vec![vec![0.0; p]; modes.len()];
+    for (s, mode) in modes.iter().enumerate() {
+        for (i, j) in pool.members.iter().enumerate() {
+            let variance = pool.posteriors[s].variance(i);
+            let root = variance.sqrt();
+            let left = if mode.variance_factor[*j] > 0.0 { variance / mode.variance_factor[*j] } else { 0.0 };
+            let mut density = 0.0;
+            for (n, mean) in mode.means_of(*j).iter().enumerate() {
+                let u = distance_over_std(mean - mode.threshold, mode.sigma[n] * root);
+                density += standard_normal_pdf(u);
+                risk[i] += left * standard_normal_cdf(-u);
             }
+            // Below this the point is known to rounding, and no variance is left to reduce.
+            targeted[s][i] = if variance > 1e-14 { density / variance } else { 0.0 };
         }
-        Self { targeted, risk }
     }
+    (targeted, risk)
 }
 
 /// gain_j of every member `(p,)` [1], summed over modes.
-fn gains(pool: &JointPool, near: &Nearness) -> Vec<f64> {
-    let mut gains = vec![0.0; near.risk.len()];
-    for (posterior, targeted) in pool.posteriors.iter().zip(&near.targeted) {
+fn gains(pool: &JointPool, targeted: &[Vec<f64>]) -> Vec<f64> {
+    let mut gains = vec![0.0; pool.members.len()];
+    for (posterior, targeted) in pool.posteriors.iter().zip(targeted) {
         for (j, gain) in gains.iter_mut().enumerate() {
-            let denominator = posterior.variance(j) + posterior.noise();
+            let denominator = posterior.variance(j) + posterior.noise;
             if denominator > 0.0 {
                 let reduced: f64 = posterior.column(j).iter().zip(targeted).map(|(c, h)| h * c * c).sum();
                 *gain += reduced / denominator;

@@ -135,9 +135,6 @@ impl StoppingTargets {
     /// most of them explore, and there are more directions to explore the more variables there are.
     pub fn points_to_hold(&self, d: usize, rare: bool) -> usize {
         let least = self.hold_points;
-        if least == 0 {
-            return 0;
-        }
         let by_dimension = if d > MOST_FILLED { 2 * least } else { (least + 2 * d).min(3 * least) };
         if rare { by_dimension.max(least + 4 * d).min(5 * least) } else { by_dimension }
     }

@@ -14,11 +14,11 @@ pub struct HistoryPair<'a> {
     /// Values of the variables `(d,)`.
     pub point: &'a [f64],
     /// At the first level `(m,)` [unit of the output].
-    pub working: &'a [f64],
+    pub working: Vec<f64>,
     /// At the second level `(m,)`.
-    pub finer: &'a [f64],
+    pub finer: Vec<f64>,
     /// At the third level `(m,)`, at few points.
-    pub finest: Option<&'a [f64]>,
+    pub finest: Option<Vec<f64>>,
 }
 
 /// Difference of the histories of one output.
@@ -55,15 +55,16 @@ impl HistoryDifference {
         let (form, differences) =
             if ratio < 1.0 { (DifferenceForm::Line, line) } else { (DifferenceForm::Constant, constant) };
         let points: Vec<&[f64]> = pairs.iter().map(|pair| pair.point).collect();
-        let of_pair = |p: &HistoryPair<'_>| p.finer.iter().zip(p.working).map(|(f, w)| f - w).collect();
+        let of_pair = |p: &HistoryPair<'_>| p.finer.iter().zip(&p.working).map(|(f, w)| f - w).collect();
         let all: Vec<Vec<f64>> = pairs.iter().map(of_pair).collect();
         let kriged = KrigedDifference::fit(&points, &all).filter(|kriged| {
             let gains = kriged.left_out.iter().zip(&differences).map(|(own, plain)| gain(*own, plain));
             gains.sum::<f64>() < BETTER * m as f64
         });
         let remainder = |n: usize| {
-            let third =
-                pairs.iter().filter_map(|p| Some((p.finer[n] - p.working[n], p.finest?[n] - p.finer[n])));
+            let third = pairs
+                .iter()
+                .filter_map(|p| Some((p.finer[n] - p.working[n], p.finest.as_ref()?[n] - p.finer[n])));
             let (coarse, fine): (Vec<f64>, Vec<f64>) = third.unzip();
             let known = values(n).iter().map(|(_, difference)| difference).sum::<f64>() / pairs.len() as f64;
             Remainder::new(&coarse, &fine, known)
@@ -82,7 +83,8 @@ impl HistoryDifference {
     pub fn to_exact(pairs: &[HistoryPair<'_>]) -> Self {
         let mut last = Vec::new();
         for HistoryPair { point, finer: working, finest, .. } in pairs {
-            last.extend(finest.map(|finer| HistoryPair { point, working, finer, finest: None }));
+            let further = |finer| HistoryPair { point, working: working.clone(), finer, finest: None };
+            last.extend(finest.clone().map(further));
         }
         let to_exact = (!last.is_empty()).then(|| Box::new(Self::new(&last).without_remainder()));
         Self { to_exact, ..Self::new(pairs).without_remainder() }
@@ -146,9 +148,13 @@ mod tests {
             .map(|(i, y)| y.map(|y| y + if i % 2 == 0 { 0.9 } else { 1.1 }))
             .collect();
         let difference = |finer: &[[f64; 2]]| {
-            let pair = |(working, finer)| HistoryPair { point: &[0.0], working, finer, finest: None };
-            let slices = working.iter().zip(finer).map(|(a, b)| (&a[..], &b[..]));
-            HistoryDifference::new(&slices.map(pair).collect::<Vec<_>>())
+            let pair = |(working, finer): (&[f64; 2], &[f64; 2])| HistoryPair {
+                point: &[0.0],
+                working: working.to_vec(),
+                finer: finer.to_vec(),
+                finest: None,
+            };
+            HistoryDifference::new(&working.iter().zip(finer).map(pair).collect::<Vec<_>>())
         };
         let line = difference(&scaled);
         assert_eq!(line.form, DifferenceForm::Line);
@@ -168,9 +174,13 @@ mod tests {
         let wave = |x: &[f64]| 0.5 * (2.0 * x[0] + x[1]).sin();
         let working: Vec<[f64; 2]> = points.iter().map(|x| [x[1], 2.0 * x[1]]).collect();
         let finer: Vec<[f64; 2]> = points.iter().zip(&working).map(|(x, y)| y.map(|y| y + wave(x))).collect();
-        let pair = |((point, working), finer)| HistoryPair { point, working, finer, finest: None };
-        let slices = points.iter().map(|x| &x[..]).zip(working.iter().map(|y| &y[..]));
-        let pairs: Vec<HistoryPair<'_>> = slices.zip(finer.iter().map(|y| &y[..])).map(pair).collect();
+        let pair = |i: usize| HistoryPair {
+            point: &points[i],
+            working: working[i].to_vec(),
+            finer: finer[i].to_vec(),
+            finest: None,
+        };
+        let pairs: Vec<HistoryPair<'_>> = (0..points.len()).map(pair).collect();
         let found = HistoryDifference::new(&pairs).without_remainder();
         let at = [0.3, -0.4, 4.0];
         let (error, stated) = (found.at(1, -0.8, &at) - wave(&at), found.std_at(1, -0.8));
@@ -180,7 +190,7 @@ mod tests {
         let exact: Vec<[f64; 2]> =
             points.iter().zip(&finer).map(|(x, y)| y.map(|y| y + 0.2 * (x[0] - x[1]).cos())).collect();
         let mut all = pairs.clone();
-        all.iter_mut().zip(&exact).take(12).for_each(|(pair, exact)| pair.finest = Some(exact));
+        all.iter_mut().zip(&exact).take(12).for_each(|(pair, exact)| pair.finest = Some(exact.to_vec()));
         let found = HistoryDifference::to_exact(&all);
         let wanted = wave(&at) + 0.2 * (at[0] - at[1]).cos();
         let (error, stated) = (found.at(1, -0.8, &at) - wanted, found.std_at(1, -0.8));

@@ -18,15 +18,6 @@ use statrs::distribution::{ContinuousCDF, Normal};
 /// Half of the width over which a density is taken, as a share of the life [1].
 const WINDOW: f64 = 0.01;
 
-/// Result of the test of a curve.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CurveTest {
-    /// Probability of data that agree no better with the curve [1].
-    pub p: f64,
-    /// Failures that the curve expects until the units' lives: the sum of Lambda.
-    pub expected: f64,
-}
-
 /// Logarithm of the likelihood of the data under a curve that was counted over `points` samples.
 pub fn ln_likelihood(curve: &SurvivalCurve, points: usize, data: &[UnitLife]) -> f64 {
     let least = least(points);
@@ -53,8 +44,9 @@ pub fn evidence_of_curve(band: &CurveBand, points: usize, data: &[UnitLife]) -> 
     largest + (all.iter().map(|ln| (ln - largest).exp()).sum::<f64>() / all.len() as f64).ln()
 }
 
-/// Tests a curve by data with failures. Where these determine no shape, their number alone is tested against the expected one.
-pub fn test_of_curve(curve: &SurvivalCurve, points: usize, data: &[UnitLife]) -> CurveTest {
+/// Tests a curve by data with failures: the probability of data that agree no better with it [1], and the failures that it expects until
+/// the units' lives, the sum of Lambda. Where the data determine no shape, their number alone is tested against the expected one.
+pub fn test_of_curve(curve: &SurvivalCurve, points: usize, data: &[UnitLife]) -> (f64, f64) {
     let least = least(points);
     let residual = |t: f64| (-curve.at(t).max(least).ln()).max(least);
     // A unit on an inspected life of 0 has none.
@@ -73,7 +65,7 @@ pub fn test_of_curve(curve: &SurvivalCurve, points: usize, data: &[UnitLife]) ->
             2.0 * Normal::standard().sf(ratio.max(0.0).sqrt())
         }
     };
-    CurveTest { p, expected }
+    (p, expected)
 }
 
 /// An interval over which the curve does not fall is one of least width.
@@ -120,7 +112,7 @@ mod tests {
         for _ in 0..total {
             let data = fleet(&truth, 30, &mut rng);
             for (count, curve) in contradicted.iter_mut().zip([&right, &wrong]) {
-                *count += usize::from(test_of_curve(curve, 1_000_000, &data).p < 0.05);
+                *count += usize::from(test_of_curve(curve, 1_000_000, &data).0 < 0.05);
             }
         }
         // 5 % of 300 are 15, with a standard error of 3.8.
@@ -150,6 +142,6 @@ mod tests {
         let found = ln_likelihood(&step, 1000, &data);
         assert!((found - (0.0005 / 2.0_f64).ln() - 0.0005_f64.ln()).abs() < 1e-12, "{found}");
         let early = [UnitLife::Failed(100.0); 3];
-        assert!(test_of_curve(&step, 1000, &early).p < 1e-6);
+        assert!(test_of_curve(&step, 1000, &early).0 < 1e-6);
     }
 }

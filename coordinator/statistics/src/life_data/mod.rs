@@ -9,7 +9,7 @@
 mod against_curve;
 mod weibull;
 
-pub use against_curve::{CurveTest, evidence_of_curve, ln_likelihood, test_of_curve};
+pub use against_curve::{evidence_of_curve, ln_likelihood, test_of_curve};
 pub use weibull::{FitBounds, NoMaximum, WeibullFit, WeibullLaw};
 
 /// What is known of the life of one unit [cycles].
@@ -27,6 +27,13 @@ impl UnitLife {
     /// True if the unit has failed.
     pub fn has_failed(&self) -> bool {
         !matches!(self, Self::Running(_))
+    }
+
+    /// Life by which it had failed, or until which it has run.
+    pub fn last(&self) -> f64 {
+        match *self {
+            Self::Failed(t) | Self::Running(t) | Self::Interval(_, t) => t,
+        }
     }
 
     /// The datum on another scale of time, which rises with the life.

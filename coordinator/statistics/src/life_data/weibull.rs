@@ -174,9 +174,7 @@ impl WeibullFit {
             return Err(NoMaximum { failed });
         }
         // Lives are measured in their geometric mean, so that u begins at 0.
-        let ln_lives = data.iter().map(|unit| match *unit {
-            UnitLife::Failed(t) | UnitLife::Running(t) | UnitLife::Interval(_, t) => t.ln(),
-        });
+        let ln_lives = data.iter().map(|unit| unit.last().ln());
         let mut place = [ln_lives.sum::<f64>() / data.len() as f64, 0.0];
         let (mut value, mut gradient) = ln_likelihood(place, data);
         let mut damping = 1e-3 * data.len() as f64;

@@ -77,11 +77,6 @@ impl CostTable {
         Ok(Self { t, cost, slope })
     }
 
-    /// Ends of the table `(first, last)` [unit of t].
-    pub fn ends(&self) -> (f64, f64) {
-        (self.t[0], self.t[self.t.len() - 1])
-    }
-
     fn at(&self, t: f64) -> (f64, f64) {
         let last = self.t.len() - 1;
         if t <= self.t[0] {

@@ -15,4 +15,4 @@ mod program;
 
 pub use choices::{ChoiceSearch, cheapest_choice};
 pub use cost::{CostModel, CostTable};
-pub use program::{Minimum, Nearest, Program, minimise, nearest};
+pub use program::{Minimum, Program, minimise, nearest};

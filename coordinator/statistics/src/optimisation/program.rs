@@ -50,34 +50,18 @@ pub trait Program {
 pub struct Minimum {
     /// The variables `(n,)`.
     pub x: Vec<f64>,
-    /// The objective there.
-    pub objective: f64,
-    /// The constraints there `(c,)`.
-    pub constraints: Vec<f64>,
     /// Rise of the objective per unit of a stricter constraint `(c,)`; zero where a constraint is not active.
     pub multipliers: Vec<f64>,
     /// True if every constraint is met.
     pub feasible: bool,
-    /// Number of points at which the constraints were evaluated.
-    pub evaluations: usize,
-}
-
-/// The point at which the smallest constraint is largest.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Nearest {
-    /// The variables `(n,)`.
-    pub x: Vec<f64>,
-    /// The constraints there `(c,)`.
-    pub constraints: Vec<f64>,
 }
 
 /// Values at the last point, and the best point so far.
 #[derive(Default)]
 struct ProgramMemo {
-    x: Vec<f64>,
+    x: Option<Vec<f64>>,
     constraints: Vec<f64>,
     slopes: Option<Vec<Vec<f64>>>,
-    evaluations: usize,
     /// Point, violation and objective of the best point.
     best: Option<(Vec<f64>, f64, f64)>,
 }
@@ -90,7 +74,7 @@ struct Remembered<'a> {
 
 impl Remembered<'_> {
     fn visit(&self, x: &[f64]) {
-        if self.memo.borrow().x == x && self.memo.borrow().evaluations > 0 {
+        if self.memo.borrow().x.as_deref() == Some(x) {
             return;
         }
         let constraints = self.program.constraints(x);
@@ -103,9 +87,8 @@ impl Remembered<'_> {
         if memo.best.as_ref().is_none_or(better) {
             memo.best = Some((x.to_vec(), violation, objective));
         }
-        memo.x = x.to_vec();
+        memo.x = Some(x.to_vec());
         (memo.constraints, memo.slopes) = (constraints, None);
-        memo.evaluations += 1;
     }
 }
 
@@ -128,21 +111,18 @@ pub fn minimise(program: &dyn Program, constraints: usize, start: &[f64]) -> Min
         }
     }
     remembered.visit(&x);
-    let (values, evaluations) =
-        { (remembered.memo.borrow().constraints.clone(), remembered.memo.borrow().evaluations) };
+    let values = remembered.memo.borrow().constraints.clone();
     let feasible = violation(&values) <= FEASIBLE;
-    let multipliers = multipliers(program, &x, &values);
-    Minimum { objective: program.objective(&x).0, multipliers, constraints: values, feasible, evaluations, x }
+    Minimum { multipliers: multipliers(program, &x, &values), feasible, x }
 }
 
-/// Maximises the smallest constraint of a program from `start` `(n,)`.
-pub fn nearest(program: &dyn Program, constraints: usize, start: &[f64]) -> Nearest {
+/// Maximises the smallest constraint of a program from `start` `(n,)`: the variables `(n,)` there.
+pub fn nearest(program: &dyn Program, constraints: usize, start: &[f64]) -> Vec<f64> {
     let raised = Raised { program };
     let start = clamped(start, &program.bounds());
     let level = program.constraints(&start).into_iter().fold(f64::INFINITY, f64::min);
     let from: Vec<f64> = start.iter().copied().chain([level]).collect();
-    let x = minimise(&raised, constraints, &from).x[..start.len()].to_vec();
-    Nearest { constraints: program.constraints(&x), x }
+    minimise(&raised, constraints, &from).x[..start.len()].to_vec()
 }
 
 fn clamped(x: &[f64], bounds: &[(f64, f64)]) -> Vec<f64> {
@@ -274,7 +254,7 @@ mod tests {
     #[test]
     fn the_minimum_has_the_multiplier_of_its_constraint() {
         let found = minimise(&Hyperbola { a: 4.0, most: 10.0 }, 2, &[1.0, 9.0]);
-        assert!(found.feasible && (found.objective - 4.0).abs() < 1e-6, "{found:?}");
+        assert!(found.feasible && (found.x[0] + found.x[1] - 4.0).abs() < 1e-6, "{found:?}");
         // The minimum is 2 sqrt(a), its derivative 1 / sqrt(a).
         assert!((found.multipliers[0] - 0.5).abs() < 1e-4, "{found:?}");
         assert_eq!(found.multipliers[1], 0.0);
@@ -285,6 +265,6 @@ mod tests {
         let program = Hyperbola { a: 4.0, most: 1.5 };
         assert!(!minimise(&program, 2, &[0.2, 0.2]).feasible);
         let found = nearest(&program, 2, &[0.2, 0.2]);
-        assert!((found.constraints[0] - (1.5 * 1.5 - 4.0)).abs() < 1e-5, "{found:?}");
+        assert!((program.constraints(&found)[0] - (1.5 * 1.5 - 4.0)).abs() < 1e-5, "{found:?}");
     }
 }

@@ -82,7 +82,7 @@ impl Track<'_> {
     }
 
     /// Point `k`, the start of life being -1.
-    fn point(&self, k: isize) -> Option<TimeAndValue> {
+    pub(super) fn point(&self, k: isize) -> Option<TimeAndValue> {
         match usize::try_from(k) {
             Ok(k) => Some((*self.times.get(k)?, self.values[k])),
             Err(_) if k == -1 => Some((0.0, self.start?)),
@@ -205,7 +205,7 @@ impl Bracket {
     }
 }
 
-fn secant(a: TimeAndValue, b: TimeAndValue) -> f64 {
+pub(super) fn secant(a: TimeAndValue, b: TimeAndValue) -> f64 {
     (b.1 - a.1) / (b.0 - a.0)
 }
 

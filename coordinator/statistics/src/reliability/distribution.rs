@@ -51,7 +51,7 @@ pub struct Histogram {
 
 /// Distributions `(m,)` of the predicted means of a model's m outputs over the population.
 pub fn predict_distributions(model: &Kriging, population: &Population) -> Vec<OutputDistribution> {
-    let m = model.sigma2().len();
+    let m = model.sigma2.len();
     let dual = model.dual();
     // Mean variance factor over a fixed part of the population: it enters the spread only.
     let part = population.len().min(2000);
@@ -71,7 +71,7 @@ pub fn predict_distributions(model: &Kriging, population: &Population) -> Vec<Ou
             }
         });
         let column = |o: usize| values.iter().skip(o).step_by(count).copied().collect::<Vec<f64>>();
-        let by_checkpoint = |o: usize| distribution(column(o), model.sigma2()[first + o] * factor);
+        let by_checkpoint = |o: usize| distribution(column(o), model.sigma2[first + o] * factor);
         distributions.extend((0..count).into_par_iter().map(by_checkpoint).collect::<Vec<_>>());
     }
     distributions

@@ -4,28 +4,24 @@
 //! Fritsch, Butland (1984), A method for constructing local monotone piecewise cubic interpolants, SIAM Journal on Scientific
 //! and Statistical Computing 5(2).
 
-use super::crossing::{Track, end_slopes};
+use super::crossing::{Track, end_slopes, secant};
 
 impl Track<'_> {
     /// Value at a time between the first known point and the last checkpoint [unit of the output]; `None` outside of them.
     pub fn value_at(&self, time: f64) -> Option<f64> {
-        let shift = usize::from(self.start.is_some());
-        let count = self.times.len() + shift;
-        let point = |k: usize| match (k, self.start) {
-            (0, Some(start)) => (0.0, start),
-            _ => (self.times[k - shift], self.values[k - shift]),
-        };
-        let after = (0..count).find(|k| point(*k).0 >= time)?;
-        let right = point(after);
-        if after == 0 || right.0 == time {
+        let first = if self.start.is_some() { -1 } else { 0 };
+        let reaches = |k: &isize| self.point(*k).is_some_and(|point| point.0 >= time);
+        let after = (first..self.times.len() as isize).find(reaches)?;
+        let right = self.point(after)?;
+        if after == first || right.0 == time {
             return (right.0 == time).then_some(right.1);
         }
-        let left = point(after - 1);
+        let left = self.point(after - 1)?;
         let h = right.0 - left.0;
-        let piece = |a: (f64, f64), b: (f64, f64)| ((b.1 - a.1) / (b.0 - a.0), b.0 - a.0);
+        let piece = |a: (f64, f64), b: (f64, f64)| (secant(a, b), b.0 - a.0);
         let middle = piece(left, right);
-        let before = (after > 1).then(|| piece(point(after - 2), left));
-        let behind = (after + 1 < count).then(|| piece(right, point(after + 1)));
+        let before = self.point(after - 2).map(|point| piece(point, left));
+        let behind = self.point(after + 1).map(|point| piece(right, point));
         let [d0, d1] = end_slopes(middle, [before, behind]);
         let (t, u) = ((time - left.0) / h, (right.0 - time) / h);
         let ends = left.1 * (1.0 + 2.0 * t) * u * u + right.1 * t * t * (3.0 - 2.0 * t);

@@ -77,20 +77,12 @@ const ESTIMATES: usize = 7;
 /// Lives of one sample by one limit state, one per [`LifeEstimate`].
 pub type ModeLives = [LifePosition; ESTIMATES];
 
-/// Errors of the values of one response at the checkpoints.
-#[derive(Debug, Clone, Copy)]
-pub struct ResponseErrors<'a> {
-    /// Numerical errors, the same for all points `(m,)` [unit of the output].
-    pub numerical: &'a [f64],
-    /// Predicted standard deviations `(m,)` [unit of the output]; empty for simulated values.
-    pub predicted: &'a [f64],
-}
-
 /// Lives of a response by a threshold [unit of the output]. `first` is the index of the first checkpoint by which it has failed,
-/// m if never; `room` is memory for its shifted values.
+/// m if never; `room` is memory for its shifted values. The errors of the values at the checkpoints `(m,)` [unit of the output] are
+/// the numerical ones, the same for all points, and the predicted standard deviations, none for simulated values.
 pub fn mode_lives(
     track: &Track<'_>,
-    errors: &ResponseErrors<'_>,
+    (numerical, predicted): (&[f64], &[f64]),
     threshold: f64,
     first: usize,
     room: &mut Vec<f64>,
@@ -109,10 +101,9 @@ pub fn mode_lives(
         let start = track.start.map(|start| start + sign * of[0]);
         place(k, Track { values: room, start, ..*track }.crossing(k, threshold).best)
     };
-    lives[LifeEstimate::Unsafe as usize] = shifted(errors.numerical, 1.0);
-    lives[LifeEstimate::Safe as usize] = shifted(errors.numerical, -1.0);
+    lives[LifeEstimate::Unsafe as usize] = shifted(numerical, 1.0);
+    lives[LifeEstimate::Safe as usize] = shifted(numerical, -1.0);
     let best = lives[LifeEstimate::Best as usize];
-    let predicted = errors.predicted;
     let mut by_prediction = |sign: f64| if predicted.is_empty() { best } else { shifted(predicted, sign) };
     lives[LifeEstimate::Larger as usize] = by_prediction(1.0);
     lives[LifeEstimate::Smaller as usize] = by_prediction(-1.0);
@@ -127,7 +118,7 @@ pub struct LifeCounts {
     /// Number m of intervals.
     intervals: usize,
     /// Number of parts of one interval.
-    parts: usize,
+    pub parts: usize,
     /// Number of samples.
     samples: usize,
     /// Number of lives that end in each part `(modes + 1, estimates, m parts)`, the system last.
@@ -188,16 +179,6 @@ impl LifeCounts {
         self
     }
 
-    /// Number of parts of one interval.
-    pub fn parts(&self) -> usize {
-        self.parts
-    }
-
-    /// Number of curves: the limit states and the system.
-    pub fn curves(&self) -> usize {
-        self.modes + 1
-    }
-
     /// Shares of the samples that have failed by the end of each part, by one estimate of their lives `(m parts,)` [1]. Curve
     /// `curve` is a limit state, or the system after the last one.
     pub fn failed(&self, curve: usize, estimate: LifeEstimate) -> Vec<f64> {
@@ -219,14 +200,14 @@ impl LifeCounts {
         counts.iter().scan(0, add).collect()
     }
 
-    /// Shares at the checkpoints with all responses shifted by their stated numerical errors.
-    pub fn numerical_band(&self) -> NumericalBand {
+    /// Failure shares at the checkpoints with every response smaller, and larger, by its stated numerical errors
+    /// `(limit states + 1, m)` [1].
+    pub fn numerical_band(&self) -> [Vec<Vec<f64>>; 2] {
         let at_checkpoints = |curve: usize, estimate: LifeEstimate| {
             self.failed(curve, estimate).into_iter().skip(self.parts - 1).step_by(self.parts).collect()
         };
-        let shares =
-            |estimate: LifeEstimate| (0..self.curves()).map(|c| at_checkpoints(c, estimate)).collect();
-        NumericalBand { least: shares(LifeEstimate::Safe), most: shares(LifeEstimate::Unsafe) }
+        let shares = |estimate: LifeEstimate| (0..=self.modes).map(|c| at_checkpoints(c, estimate)).collect();
+        [shares(LifeEstimate::Safe), shares(LifeEstimate::Unsafe)]
     }
 
     /// Shares of the samples that have failed by each checkpoint, by the limit state that failed first; last those
@@ -234,15 +215,6 @@ impl LifeCounts {
     pub fn first_failure_shares(&self) -> Vec<Vec<f64>> {
         self.first.chunks(self.intervals).map(|counts| self.cumulated(counts)).collect()
     }
-}
-
-/// Failure shares with the responses shifted by their errors.
-#[derive(Debug, Clone, PartialEq)]
-pub struct NumericalBand {
-    /// Failure shares with every response smaller `(limit states + 1, m)` [1].
-    pub least: Vec<Vec<f64>>,
-    /// Failure shares with every response larger `(limit states + 1, m)` [1].
-    pub most: Vec<Vec<f64>>,
 }
 
 /// Stated error as a straight line over the value, clamped to [least, most].
@@ -300,7 +272,7 @@ mod tests {
         counts.add(&[life(1, 1.0), life(1, 1.0)]);
         let expected = [[0.25, 0.25, 0.5], [0.0, 0.0, 0.25], [0.0, 0.25, 0.25]];
         assert_eq!(counts.first_failure_shares(), expected);
-        let parts = counts.parts();
+        let parts = counts.parts;
         for estimate in [LifeEstimate::Best, LifeEstimate::Smaller] {
             let system = counts.failed(2, estimate);
             let at_checkpoints = [1, 2, 3].map(|k| system[k * parts - 1]);
@@ -326,8 +298,7 @@ mod tests {
     fn errors_move_lives_to_their_sides() {
         let (times, values) = ([1.0, 2.0, 3.0], [1.0, 2.0, 3.0]);
         let track = Track { times: &times, values: &values, start: Some(0.0) };
-        let errors = ResponseErrors { numerical: &[0.5; 3], predicted: &[0.25; 3] };
-        let lives = mode_lives(&track, &errors, 2.5, 2, &mut Vec::new());
+        let lives = mode_lives(&track, (&[0.5; 3], &[0.25; 3]), 2.5, 2, &mut Vec::new());
         let time = |estimate: LifeEstimate| {
             let life = lives[estimate as usize];
             f64::from(life.interval) + life.share
@@ -342,7 +313,7 @@ mod tests {
         for (estimate, life) in expected {
             assert!((time(estimate) - life).abs() < 1e-8, "{estimate:?} {lives:?}");
         }
-        let beyond = mode_lives(&track, &errors, 3.2, 3, &mut Vec::new());
+        let beyond = mode_lives(&track, (&[0.5; 3], &[0.25; 3]), 3.2, 3, &mut Vec::new());
         assert_eq!(beyond[LifeEstimate::Best as usize], LifePosition::NEVER);
         assert_ne!(beyond[LifeEstimate::Unsafe as usize], LifePosition::NEVER);
     }

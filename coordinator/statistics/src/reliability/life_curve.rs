@@ -122,7 +122,7 @@ impl LifeCurve {
             earliest: reliability(failed(LifeEstimate::Earliest)),
             latest: reliability(failed(LifeEstimate::Latest)),
         };
-        curve.thinned(probability, input.counts.parts())
+        curve.thinned(probability, input.counts.parts)
     }
 
     /// Life at this level of reliability [1].
@@ -216,7 +216,7 @@ fn width_with(share: f64, error: f64, input: &LifeCurveInput<'_>) -> f64 {
 
 /// Ends of all parts, and 0 before them [cycles].
 fn times(input: &LifeCurveInput<'_>) -> Vec<f64> {
-    let parts = input.counts.parts();
+    let parts = input.counts.parts;
     let mut times = vec![0.0];
     let mut before = 0.0;
     for checkpoint in input.checkpoints {
@@ -229,7 +229,7 @@ fn times(input: &LifeCurveInput<'_>) -> Vec<f64> {
 
 /// Surrogate error e of the share at all times [1].
 fn surrogate_errors(input: &LifeCurveInput<'_>) -> Vec<f64> {
-    let (m, parts) = (input.checkpoints.len(), input.counts.parts());
+    let (m, parts) = (input.checkpoints.len(), input.counts.parts);
     let larger = input.counts.failed(input.curve, LifeEstimate::Larger);
     let smaller = input.counts.failed(input.curve, LifeEstimate::Smaller);
     let spread: Vec<f64> = larger.iter().zip(&smaller).map(|(a, b)| 0.5 * (a - b)).collect();
@@ -263,7 +263,7 @@ fn surrogate_errors(input: &LifeCurveInput<'_>) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{ResponseErrors, Track, mode_lives};
+    use super::super::{Track, mode_lives};
     use super::*;
     use statrs::distribution::{ContinuousCDF, Normal};
 
@@ -281,8 +281,8 @@ mod tests {
             let values: Vec<f64> = times.iter().map(|t| (t / life).powf(power)).collect();
             let track = Track { times: &times, values: &values, start };
             let first = values.iter().position(|y| *y >= 1.0).unwrap_or(times.len());
-            let errors = ResponseErrors { numerical: &vec![0.02; times.len()], predicted: &[] };
-            counts.add(&[mode_lives(&track, &errors, 1.0, first, &mut room)]);
+            let errors = vec![0.02; times.len()];
+            counts.add(&[mode_lives(&track, (&errors, &[]), 1.0, first, &mut room)]);
         }
         counts
     }
@@ -332,8 +332,7 @@ mod tests {
             let values = [from, from, from, last, last];
             let track = Track { times: &times, values: &values, start: Some(from) };
             let first = values.iter().position(|y| *y >= 1.0).unwrap_or(times.len());
-            let errors = ResponseErrors { numerical: &[0.0; 5], predicted: &[] };
-            counts.add(&[mode_lives(&track, &errors, 1.0, first, &mut Vec::new())]);
+            counts.add(&[mode_lives(&track, (&[0.0; 5], &[]), 1.0, first, &mut Vec::new())]);
         }
         let curve = curve(&counts, &checkpoints);
         let at = |time: f64| {

@@ -42,10 +42,8 @@ pub use distribution::{
     Histogram, OutputDistribution, PROBABILITIES, distributions_from_samples, predict_distributions,
 };
 pub use importance::ImportanceSampling;
-pub use life_counts::{
-    ErrorLine, LifeCounts, LifeEstimate, LifePosition, ModeLives, NumericalBand, ResponseErrors, mode_lives,
-};
+pub use life_counts::{ErrorLine, LifeCounts, LifeEstimate, LifePosition, ModeLives, mode_lives};
 pub use life_curve::{LifeAtLevel, LifeCurve, LifeCurveInput, half_width};
 pub use line_sampling::{LineEstimate, LineRoot, LineSampling, Margins};
-pub use population_lives::{PredictedMode, population_lives};
+pub use population_lives::{PredictedHistory, PredictedMode, population_lives};
 pub use subset::{Responses, Subset, SubsetSimulation};

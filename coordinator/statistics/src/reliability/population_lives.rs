@@ -7,27 +7,49 @@
 //! [`crate::surrogate`].
 
 use super::crossing::Track;
-use super::life_counts::ErrorLine;
-use super::life_counts::{LifeCounts, ModeLives, ResponseErrors, mode_lives};
+use super::life_counts::{ErrorLine, LifeCounts, ModeLives, mode_lives};
 use crate::design::{Population, deviation};
 use crate::surrogate::Kriging;
-use faer::{Mat, MatRef};
+use faer::Mat;
 use rayon::prelude::*;
 
 /// Number of points predicted together.
 const BLOCK: usize = 512;
 
+/// A surrogate of a history: its first output is the start of life, if that is known, the others are the checkpoints.
+#[derive(Debug)]
+pub struct PredictedHistory {
+    /// The surrogate conditioned on these values.
+    pub model: Kriging,
+    /// Its dual weights, see [`Kriging::dual`].
+    pub dual: Mat<f64>,
+    /// Predicted standard deviations where the variance factor is 1 [unit of the output].
+    pub scale: Vec<f64>,
+    /// True if the first output of the model is the start of life.
+    pub has_start: bool,
+}
+
+impl PredictedHistory {
+    /// The history of a model whose predicted variances are enlarged by `inflation` [1].
+    pub fn new(model: Kriging, has_start: bool, inflation: f64) -> Self {
+        let scale = model.sigma2.iter().map(|s| (s * inflation).sqrt()).collect();
+        Self { dual: model.dual(), scale, has_start, model }
+    }
+
+    /// The history with these values at the start, if it is known, and at the checkpoints.
+    pub fn track<'a>(&self, times: &'a [f64], values: &'a [f64]) -> Track<'a> {
+        let (start, values) = if self.has_start { (Some(values[0]), &values[1..]) } else { (None, values) };
+        Track { times, values, start }
+    }
+}
+
 /// The prediction of one limit state.
 #[derive(Debug)]
 pub struct PredictedMode<'a> {
-    /// The surrogate conditioned on the values at the checkpoints, or on those and, first, the values at the start of life.
-    pub model: &'a Kriging,
-    /// Factor on the predicted variances [1].
-    pub inflation: f64,
-    /// Values of the simulations at the checkpoints `(n, m)` [unit of the output].
-    pub values: MatRef<'a, f64>,
-    /// Errors stated for them `(n, m)` [unit of the output].
-    pub errors: MatRef<'a, f64>,
+    /// The surrogate of its response.
+    pub history: PredictedHistory,
+    /// Stated error over the value at each checkpoint `(m,)`.
+    pub lines: Vec<ErrorLine>,
     /// Threshold of the limit state [unit of the output].
     pub threshold: f64,
     /// Index of the checkpoint by which each point has failed `(N,)`; m if never.
@@ -38,77 +60,43 @@ pub struct PredictedMode<'a> {
     pub index: usize,
 }
 
-/// A mode with what is the same for all points.
-struct PreparedMode<'a> {
-    mode: &'a PredictedMode<'a>,
-    dual: Mat<f64>,
-    /// Stated error over the value at each checkpoint `(m,)`.
-    lines: Vec<ErrorLine>,
-    /// Standard deviation of each output of the model where the variance factor is 1: at the start, if it is known, and
-    /// at the checkpoints [unit of the output].
-    scale: Vec<f64>,
-    /// True if the first output of the model is the start of life.
-    has_start: bool,
-}
-
-impl<'a> PreparedMode<'a> {
-    fn new(mode: &'a PredictedMode<'a>) -> Self {
-        let sigma2 = mode.model.sigma2();
-        let has_start = sigma2.len() > mode.values.ncols();
-        Self {
-            dual: mode.model.dual(),
-            lines: ErrorLine::by_checkpoint(mode.values, mode.errors),
-            scale: sigma2.iter().map(|s| (s * mode.inflation).sqrt()).collect(),
-            has_start,
-            mode,
-        }
+impl PredictedMode<'_> {
+    /// Lives of point `j`, whose predicted means are `means`: at the start, if it is known, and at the checkpoints. `room` is
+    /// memory for its values, their errors and its shifted values.
+    fn lives(&self, j: usize, means: &[f64], times: &[f64], room: &mut [Vec<f64>; 4]) -> ModeLives {
+        let PredictedHistory { scale, has_start, .. } = &self.history;
+        let [values, numerical, predicted, shifted] = room;
+        let std = self.variance_factor.get(j).map_or(0.0, |factor| factor.max(0.0).sqrt());
+        let in_sigma = std * deviation(self.index, j);
+        values.clear();
+        values.extend(means.iter().zip(scale).map(|(mean, scale)| mean + scale * in_sigma));
+        let track = self.history.track(times, values);
+        numerical.clear();
+        numerical.extend(self.lines.iter().zip(track.values).map(|(line, y)| line.evaluate(*y)));
+        predicted.clear();
+        predicted.extend(scale[usize::from(*has_start)..].iter().map(|scale| scale * std));
+        let first = self.first_failure[j] as usize;
+        mode_lives(&track, (numerical, predicted), self.threshold, first, shifted)
     }
-
-    /// Lives of point `j`, whose predicted means are `means`: at the start, if it is known, and at the checkpoints.
-    fn lives(&self, j: usize, means: &[f64], times: &[f64], room: &mut Room) -> ModeLives {
-        let std = self.mode.variance_factor.get(j).map_or(0.0, |factor| factor.max(0.0).sqrt());
-        let in_sigma = std * deviation(self.mode.index, j);
-        room.values.clear();
-        room.values.extend(means.iter().zip(&self.scale).map(|(mean, scale)| mean + scale * in_sigma));
-        let checkpoints = usize::from(self.has_start);
-        let (start, values) = (self.has_start.then_some(room.values[0]), &room.values[checkpoints..]);
-        room.numerical.clear();
-        room.numerical.extend(self.lines.iter().zip(values).map(|(line, y)| line.evaluate(*y)));
-        room.predicted.clear();
-        room.predicted.extend(self.scale[checkpoints..].iter().map(|scale| scale * std));
-        let errors = ResponseErrors { numerical: &room.numerical, predicted: &room.predicted };
-        let first = self.mode.first_failure[j] as usize;
-        mode_lives(&Track { times, values, start }, &errors, self.mode.threshold, first, &mut room.shifted)
-    }
-}
-
-/// Memory for the values of one point, their errors and shifted values.
-#[derive(Default)]
-struct Room {
-    values: Vec<f64>,
-    numerical: Vec<f64>,
-    predicted: Vec<f64>,
-    shifted: Vec<f64>,
 }
 
 /// Counts the lives of all points of a population over the checkpoints `times` `(m,)` [cycles].
 pub fn population_lives(modes: &[PredictedMode<'_>], population: &Population, times: &[f64]) -> LifeCounts {
-    let prepared: Vec<PreparedMode<'_>> = modes.iter().map(PreparedMode::new).collect();
     let blocks: Vec<usize> = (0..population.len()).step_by(BLOCK).collect();
     let empty = || LifeCounts::new(modes.len(), times.len());
     let add_block = |mut counts: LifeCounts, start: &usize| {
         let end = population.len().min(start + BLOCK);
-        let predict = |mode: &PreparedMode<'_>| {
-            let outputs = mode.mode.model.sigma2().len();
-            mode.mode.model.predict_means(population.columns(*start..end), &mode.dual, 0..outputs)
+        let predict = |PredictedMode { history, .. }: &PredictedMode<'_>| {
+            let outputs = 0..history.scale.len();
+            history.model.predict_means(population.columns(*start..end), &history.dual, outputs)
         };
-        let means: Vec<Mat<f64>> = prepared.iter().map(predict).collect();
-        let mut room = Room::default();
+        let means: Vec<Mat<f64>> = modes.iter().map(predict).collect();
+        let mut room = <[Vec<f64>; 4]>::default();
         for j in *start..end {
-            let of_mode = |(mode, means): (&PreparedMode<'_>, &Mat<f64>)| {
+            let of_mode = |(mode, means): (&PredictedMode<'_>, &Mat<f64>)| {
                 mode.lives(j, means.col_as_slice(j - start), times, &mut room)
             };
-            let lives: Vec<ModeLives> = prepared.iter().zip(&means).map(of_mode).collect();
+            let lives: Vec<ModeLives> = modes.iter().zip(&means).map(of_mode).collect();
             counts.add(&lives);
         }
         counts
@@ -142,17 +130,15 @@ mod tests {
             })
             .collect();
         let mode = PredictedMode {
-            model: &model,
-            inflation: 1.0,
-            values: y.subcols(1, 3),
-            errors: errors.as_ref(),
+            history: PredictedHistory::new(model, true, 1.0),
+            lines: ErrorLine::by_checkpoint(y.subcols(1, 3), errors.as_ref()),
             threshold: 2.0,
             first_failure: &first_failure,
             variance_factor: &vec![0.0; population.len()],
             index: 0,
         };
         let counts = population_lives(&[mode], &population, &[1.0, 2.0, 3.0]);
-        let parts = counts.parts();
+        let parts = counts.parts;
         for (estimate, shift) in [
             (LifeEstimate::Best, 0.0),
             (LifeEstimate::Earliest, 0.0),
@@ -169,7 +155,8 @@ mod tests {
             }
         }
         let band = counts.numerical_band();
-        assert_eq!(band.most[0], band.most[1]);
-        assert!((band.most[0][1] - standard_normal_cdf(0.5)).abs() < 0.01, "{band:?}");
+        let [_, most] = &band;
+        assert_eq!(most[0], most[1]);
+        assert!((most[0][1] - standard_normal_cdf(0.5)).abs() < 0.01, "{band:?}");
     }
 }

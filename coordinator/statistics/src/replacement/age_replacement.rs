@@ -56,7 +56,7 @@ impl ReplacementCosts {
 
     /// The age with the least cost rate.
     pub fn best_age(&self, curve: &SurvivalCurve) -> AgeReplacement {
-        let (times, values, integrals) = (curve.times(), curve.values(), curve.integrals());
+        let (times, values, integrals) = (&curve.times, &curve.reliability, &curve.integral);
         let mut best = (curve.end(), self.rate(curve, curve.end()));
         for k in 0..times.len().saturating_sub(1) {
             let (a, width, r, area) = (times[k], times[k + 1] - times[k], values[k], integrals[k]);

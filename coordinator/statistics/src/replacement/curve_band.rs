@@ -30,15 +30,6 @@ const REALISATIONS: usize = 600;
 /// Probabilities of the limits of an interval [1].
 const LIMITS: (f64, f64) = (0.025, 0.975);
 
-/// A 95 % interval.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Interval {
-    /// Lower limit of the interval.
-    pub lower: f64,
-    /// Upper limit of the interval.
-    pub upper: f64,
-}
-
 /// Curves that may be the true one, within the limits of an estimated curve.
 #[derive(Debug, Clone)]
 pub struct CurveBand {
@@ -86,7 +77,7 @@ impl CurveBand {
     }
 
     /// The 95 % interval of a number that follows from the curve; curves without that number are left out.
-    pub fn interval(&self, of: impl Fn(&SurvivalCurve) -> Option<f64>) -> Option<Interval> {
+    pub fn interval(&self, of: impl Fn(&SurvivalCurve) -> Option<f64>) -> Option<[f64; 2]> {
         let mut found: Vec<f64> = self.realisations.iter().filter_map(&of).collect();
         found.sort_unstable_by(f64::total_cmp);
         let last = found.len().checked_sub(1)?;
@@ -95,7 +86,7 @@ impl CurveBand {
         for value in self.limits.iter().chain([&self.best]).filter_map(&of) {
             (lower, upper) = (lower.min(value), upper.max(value));
         }
-        Some(Interval { lower, upper })
+        Some([lower, upper])
     }
 
     /// The best estimate, the limits and the realisations.
@@ -157,7 +148,7 @@ mod tests {
         let costs = ReplacementCosts { planned: 1.0, failure: 10.0 };
         let quantities: [&dyn Fn(&SurvivalCurve) -> f64; 3] =
             [&|curve| curve.restricted_mean(), &|curve| costs.best_age(curve).cost_rate, &|curve| {
-                curve.rate(700.0, 900.0).density
+                curve.rate(700.0, 900.0).0
             }];
         let mut rng = ChaCha12Rng::seed_from_u64(5);
         let mut held = [0; 3];
@@ -165,8 +156,8 @@ mod tests {
         for _ in 0..studies {
             let band = counted(&mut rng);
             for (held, of) in held.iter_mut().zip(quantities) {
-                let found = band.interval(|curve| Some(of(curve))).unwrap();
-                *held += usize::from(found.lower <= of(&exact) && of(&exact) <= found.upper);
+                let [lower, upper] = band.interval(|curve| Some(of(curve))).unwrap();
+                *held += usize::from(lower <= of(&exact) && of(&exact) <= upper);
             }
         }
         // 95 % of 60 are 57; four standard errors below are 50.
@@ -195,7 +186,7 @@ mod tests {
         let (times, r) = ([0.0, 10.0, 20.0], [1.0, 0.5, 0.0]);
         let band = CurveBand::new(&times, &r, [&r, &r], 100, &mut ChaCha12Rng::seed_from_u64(1));
         let found = band.interval(|curve| Some(curve.restricted_mean())).unwrap();
-        assert_eq!((found.lower, found.upper), (10.0, 10.0));
+        assert_eq!(found, [10.0, 10.0]);
         assert_eq!((band.surely_until(0.75, 0.99), band.surely_until(0.0, 0.99)), (5.0, 20.0));
         assert_eq!((band.interval(|_| None), band.share(|curve| curve.last() == 0.0)), (None, 1.0));
     }

@@ -63,15 +63,6 @@ pub struct PolicyCosts {
     pub inspection: f64,
 }
 
-/// A level and a number of inspections.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct InspectionPolicy {
-    /// Replaced where the measured value is at least this [unit of the output].
-    pub level: f64,
-    /// Index of the inspection at whose life a unit is replaced in any case.
-    pub last: usize,
-}
-
 /// Costs and frequencies of a policy.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PolicyOutcome {
@@ -109,22 +100,6 @@ impl Renewal {
         self.cost += p * (price + cost * inspections as f64);
         self.length += p * length;
         self.inspections += p * inspections as f64;
-    }
-}
-
-/// Sums over units of one level and one last inspection.
-#[derive(Debug, Clone, Copy, Default)]
-struct RenewalSums {
-    cost: f64,
-    length: f64,
-    /// Largest probability of failure of a unit [1].
-    worst: f64,
-}
-
-impl RenewalSums {
-    /// Cost rate with the failures of units that are not among these.
-    fn rate(&self, costs: &PolicyCosts) -> f64 {
-        (self.cost + 0.5 * self.worst * (costs.failure - costs.planned)) / self.length
     }
 }
 
@@ -173,14 +148,14 @@ impl InspectedSamples {
     }
 
     /// Sums over some units for a level and every last inspection `(k,)`.
-    fn sums(&self, units: &[usize], level: f64, costs: &PolicyCosts) -> Vec<RenewalSums> {
-        let mut sums = vec![RenewalSums::default(); self.times.len()];
+    fn sums(&self, units: &[usize], level: f64, costs: &PolicyCosts) -> Vec<Renewal> {
+        let mut sums = vec![Renewal::default(); self.times.len()];
         for j in units {
             self.renewals(*j, level, costs, |last, renewal| {
                 let sum = &mut sums[last];
                 sum.cost += renewal.cost;
                 sum.length += renewal.length;
-                sum.worst = sum.worst.max(renewal.failed);
+                sum.failed = sum.failed.max(renewal.failed);
             });
         }
         sums
@@ -202,13 +177,19 @@ impl InspectedSamples {
     }
 }
 
+/// A level from which on a measured value has the unit replaced [unit of the output], and the index of the inspection at whose life it is
+/// replaced in any case.
+pub type InspectionPolicy = (f64, usize);
+
 /// The policy with the least cost rate by every second unit; `None` without an inspection.
 pub fn best_policy(samples: &InspectedSamples, costs: &PolicyCosts) -> Option<InspectionPolicy> {
     let chosen: Vec<usize> = (0..samples.lives.len()).step_by(2).collect();
     let best_of_level = |level: &f64| {
-        let rates = samples.sums(&chosen, *level, costs).into_iter().map(|sums| sums.rate(costs));
+        let excess = costs.failure - costs.planned;
+        let rate = |sums: Renewal| (sums.cost + 0.5 * sums.failed * excess) / sums.length;
+        let rates = samples.sums(&chosen, *level, costs).into_iter().map(rate);
         let (last, rate) = rates.enumerate().min_by(|a, b| a.1.total_cmp(&b.1))?;
-        Some((InspectionPolicy { level: *level, last }, rate))
+        Some(((*level, last), rate))
     };
     let best_of = |levels: &[f64]| {
         let found: Vec<_> = levels.par_iter().filter_map(best_of_level).collect();
@@ -217,23 +198,23 @@ pub fn best_policy(samples: &InspectedSamples, costs: &PolicyCosts) -> Option<In
     let levels = samples.levels();
     let coarse = best_of(&levels)?;
     // Once more between its neighbours.
-    let place = levels.iter().position(|level| *level == coarse.level)?;
+    let place = levels.iter().position(|level| *level == coarse.0)?;
     let (from, to) = (levels[place.saturating_sub(1)], levels[(place + 1).min(levels.len() - 1)]);
     let between = |i: usize| from + (to - from) * i as f64 / (FINER - 1) as f64;
-    let finer: Vec<f64> = (0..FINER).map(between).chain([coarse.level]).collect();
+    let finer: Vec<f64> = (0..FINER).map(between).chain([coarse.0]).collect();
     best_of(&finer)
 }
 
 /// Costs of a policy over the units by which [`best_policy`] does not choose.
 pub fn outcome_of(
     samples: &InspectedSamples,
-    policy: &InspectionPolicy,
+    (level, chosen): InspectionPolicy,
     costs: &PolicyCosts,
 ) -> PolicyOutcome {
     let of_unit = |j: usize| {
         let mut found = Renewal::default();
-        samples.renewals(j, policy.level, costs, |last, renewal| {
-            if last == policy.last {
+        samples.renewals(j, level, costs, |last, renewal| {
+            if last == chosen {
                 found = *renewal;
             }
         });
@@ -298,21 +279,21 @@ mod tests {
     #[test]
     fn issue_failures_not_seen_have_no_cost() {
         // Inspections every 100 cycles with an error that lets about one unit in 10 000 fail at a level of 0.75.
-        let policy = InspectionPolicy { level: 0.75, last: 19 };
+        let policy = (0.75, 19);
         let truth_of = |costs: &PolicyCosts| {
-            let all = outcome_of(&measured(400_000, 0.04), &policy, costs);
+            let all = outcome_of(&measured(400_000, 0.04), policy, costs);
             (all.cost_rate, all.failed)
         };
         for failure in [1e3, 1e4, 1e5] {
             let costs = PolicyCosts { planned: 1.0, failure, inspection: 0.0 };
             let ((truth, share), found) =
-                (truth_of(&costs), outcome_of(&measured(1000, 0.04), &policy, &costs));
+                (truth_of(&costs), outcome_of(&measured(1000, 0.04), policy, &costs));
             assert!(share > 0.0 && share < 5e-4, "{share}");
             assert!(found.lower < truth && truth < found.upper, "{failure}: {found:?} {truth}");
         }
         // Without an error no unit fails: the limit is that of no failure among 500.
         let costs = PolicyCosts { planned: 1.0, failure: 1e4, inspection: 0.0 };
-        let found = outcome_of(&linear(1000), &policy, &costs);
+        let found = outcome_of(&linear(1000), policy, &costs);
         let least = found.cost_rate + 3.0 / 500.0 * 9999.0 / found.mean_life;
         assert!(found.failed == 0.0 && found.upper > least, "{found:?} {least}");
     }
@@ -322,7 +303,7 @@ mod tests {
         let samples = measured(4000, 0.05);
         let level = |failure: f64| {
             let costs = PolicyCosts { planned: 1.0, failure, inspection: 0.0 };
-            best_policy(&samples, &costs).unwrap().level
+            best_policy(&samples, &costs).unwrap().0
         };
         let levels = [10.0, 1e3, 1e5].map(level);
         assert!(levels[0] > levels[1] + 0.02 && levels[1] > levels[2] + 0.02, "{levels:?}");
@@ -332,7 +313,7 @@ mod tests {
     fn the_mean_over_errors_is_that_of_drawn_errors() {
         use rand::SeedableRng;
         use rand_distr::{Distribution, StandardNormal};
-        let (exact, policy) = (measured(2000, 0.1), InspectionPolicy { level: 0.7, last: 15 });
+        let (exact, policy) = (measured(2000, 0.1), (0.7, 15));
         let costs = PolicyCosts { planned: 1.0, failure: 10.0, inspection: 0.1 };
         let mut rng = rand_chacha::ChaCha12Rng::seed_from_u64(3);
         let mut drawn = linear(40_000);
@@ -340,7 +321,7 @@ mod tests {
             .values
             .iter_mut()
             .for_each(|y| *y += 0.1 * Distribution::<f64>::sample(&StandardNormal, &mut rng));
-        let (exact, drawn) = (outcome_of(&exact, &policy, &costs), outcome_of(&drawn, &policy, &costs));
+        let (exact, drawn) = (outcome_of(&exact, policy, &costs), outcome_of(&drawn, policy, &costs));
         let error = drawn.standard_error.hypot(exact.standard_error);
         assert!((exact.cost_rate - drawn.cost_rate).abs() < 4.0 * error, "{exact:?} {drawn:?}");
         assert!((exact.by_level - drawn.by_level).abs() < 0.02 && (exact.failed - drawn.failed).abs() < 0.01);
@@ -355,9 +336,9 @@ mod tests {
         let samples = linear(4000);
         let costs = PolicyCosts { planned: 1.0, failure: 1000.0, inspection: 0.0 };
         let policy = best_policy(&samples, &costs).unwrap();
-        let outcome = outcome_of(&samples, &policy, &costs);
+        let outcome = outcome_of(&samples, policy, &costs);
         // The next 100 cycles are fatal from a wear of 1 - 100 / life on: at 1000 cycles from 0.9 on.
-        assert!((policy.level - 0.9).abs() < 0.03, "{policy:?}");
+        assert!((policy.0 - 0.9).abs() < 0.03, "{policy:?}");
         assert!(outcome.failed < 1e-3, "{outcome:?}");
         // Against replacement of all before the first failure, at 1000 cycles.
         assert!(outcome.mean_life > 1250.0 && outcome.cost_rate < 1.0 / 1250.0, "{outcome:?}");
@@ -367,8 +348,8 @@ mod tests {
     fn without_a_level_it_is_age_replacement() {
         let samples = linear(4000);
         let costs = PolicyCosts { planned: 1.0, failure: 10.0, inspection: 0.0 };
-        let policy = InspectionPolicy { level: f64::INFINITY, last: 11 };
-        let outcome = outcome_of(&samples, &policy, &costs);
+        let policy = (f64::INFINITY, 11);
+        let outcome = outcome_of(&samples, policy, &costs);
         // R(1200) = 0.8, integral 1000 + 200 * 0.9.
         let exact = (0.8 + 0.2 * 10.0) / 1180.0;
         assert!((outcome.cost_rate - exact).abs() < 4.0 * outcome.standard_error, "{outcome:?} {exact}");
@@ -381,6 +362,6 @@ mod tests {
         let costs = PolicyCosts { planned: 1.0, failure: 10.0, inspection: 100.0 };
         let policy = best_policy(&samples, &costs).unwrap();
         // Replaced at the first life, where no inspection is made.
-        assert_eq!((policy.last, outcome_of(&samples, &policy, &costs).inspections), (0, 0.0));
+        assert_eq!((policy.1, outcome_of(&samples, policy, &costs).inspections), (0, 0.0));
     }
 }

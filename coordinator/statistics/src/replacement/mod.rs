@@ -30,8 +30,8 @@ mod inspection;
 mod survival_curve;
 
 pub use age_replacement::{AgeReplacement, ReplacementCosts};
-pub use curve_band::{CurveBand, Interval};
+pub use curve_band::CurveBand;
 pub use inspection::{
     InspectedSamples, InspectionPolicy, PolicyCosts, PolicyOutcome, best_policy, outcome_of,
 };
-pub use survival_curve::{FailureRate, SurvivalCurve};
+pub use survival_curve::SurvivalCurve;

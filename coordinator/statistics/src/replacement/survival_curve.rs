@@ -11,24 +11,11 @@
 #[derive(Debug, Clone, PartialEq)]
 pub struct SurvivalCurve {
     /// Times, increasing from 0 `(g,)` [cycles].
-    times: Vec<f64>,
+    pub times: Vec<f64>,
     /// R `(g,)` [1], not increasing.
-    reliability: Vec<f64>,
+    pub reliability: Vec<f64>,
     /// Integral of R from 0 `(g,)` [cycles].
-    integral: Vec<f64>,
-}
-
-/// Failure density and hazard over an interval.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FailureRate {
-    /// Beginning of the interval [cycles].
-    pub from: f64,
-    /// Its end [cycles].
-    pub to: f64,
-    /// Mean density [1/cycle].
-    pub density: f64,
-    /// Mean hazard [1/cycle]; `None` where no sample survives the interval.
-    pub hazard: Option<f64>,
+    pub(super) integral: Vec<f64>,
 }
 
 impl SurvivalCurve {
@@ -51,21 +38,6 @@ impl SurvivalCurve {
         self.times.push(time);
         self.reliability.push(r);
         self.integral.push(area);
-    }
-
-    /// Times of the points `(g,)` [cycles].
-    pub fn times(&self) -> &[f64] {
-        &self.times
-    }
-
-    /// R at the points `(g,)` [1].
-    pub fn values(&self) -> &[f64] {
-        &self.reliability
-    }
-
-    /// Integrals of R from 0 to the points `(g,)` [cycles].
-    pub(super) fn integrals(&self) -> &[f64] {
-        &self.integral
     }
 
     /// Last time of the curve [cycles].
@@ -119,10 +91,10 @@ impl SurvivalCurve {
     }
 
     /// Density and hazard over the interval from `from` to `to` [cycles].
-    pub fn rate(&self, from: f64, to: f64) -> FailureRate {
+    pub fn rate(&self, from: f64, to: f64) -> (f64, Option<f64>) {
         let (before, after, width) = (self.at(from), self.at(to), to - from);
         let hazard = (after > 0.0).then(|| (before / after).ln() / width);
-        FailureRate { from, to, density: (before - after) / width, hazard }
+        ((before - after) / width, hazard)
     }
 }
 
@@ -136,17 +108,17 @@ mod tests {
         assert_eq!((curve.at(150.0), curve.restricted_mean()), (0.5, 150.0));
         assert!((curve.mean_until(150.0) - 137.5).abs() < 1e-12);
         assert_eq!((curve.life_at(0.75), curve.life_at(1.0)), (Some(125.0), Some(0.0)));
-        let rate = curve.rate(100.0, 150.0);
-        assert!((rate.density - 0.01).abs() < 1e-15);
-        assert!((rate.hazard.unwrap() - 2f64.ln() / 50.0).abs() < 1e-15);
-        assert_eq!(curve.rate(150.0, 200.0).hazard, None);
+        let (density, hazard) = curve.rate(100.0, 150.0);
+        assert!((density - 0.01).abs() < 1e-15);
+        assert!((hazard.unwrap() - 2f64.ln() / 50.0).abs() < 1e-15);
+        assert_eq!(curve.rate(150.0, 200.0).1, None);
         assert_eq!((curve.at(300.0), curve.mean_until(300.0)), (0.0, 150.0));
     }
 
     #[test]
     fn noise_does_not_heal_failures() {
         let curve = SurvivalCurve::new(&[10.0, 20.0, 30.0], &[0.9, 0.95, 1.2]);
-        assert_eq!(curve.values(), [1.0, 0.9, 0.9, 0.9]);
-        assert_eq!((curve.times()[0], curve.life_at(0.5)), (0.0, None));
+        assert_eq!(curve.reliability, [1.0, 0.9, 0.9, 0.9]);
+        assert_eq!((curve.times[0], curve.life_at(0.5)), (0.0, None));
     }
 }

@@ -175,7 +175,7 @@ pub fn sensitivities(
         })
     };
     let derivatives: Vec<[Vec<Derivative>; 2]> =
-        population.inputs().variables().par_iter().enumerate().map(of_variable).collect();
+        population.inputs.variables().par_iter().enumerate().map(of_variable).collect();
     let mut rows = Vec::new();
     for checkpoint in checkpoints {
         for (curve, first) in first_failures.iter().enumerate() {
@@ -197,7 +197,7 @@ pub fn sensitivities(
 
 /// Number, from 0, of the origin of each sample `(N,)`; `None` if the samples are independent.
 fn numbered_origins(population: &Population, points: &[usize]) -> Option<Vec<usize>> {
-    let origins = population.origins();
+    let origins = &population.origins;
     if origins.is_empty() {
         return None;
     }
@@ -213,16 +213,16 @@ fn numbered_origins(population: &Population, points: &[usize]) -> Option<Vec<usi
 fn scores(population: &Population, own: &dyn Fn(f64) -> [f64; 2], j: usize, k: usize) -> [f64; 2] {
     let x = population.physical_value(j, k);
     let own = own(x);
-    let copula = population.inputs().copula();
+    let copula = &population.inputs.copula;
     if !copula.is_correlated(k) {
         return own;
     }
     let normal = |i: usize| {
-        let u = population.inputs().variables()[i].to_standard_normal(population.physical_value(j, i));
+        let u = population.inputs.variables()[i].to_standard_normal(population.physical_value(j, i));
         u.clamp(-LARGEST_NORMAL, LARGEST_NORMAL)
     };
     let slope = copula.score(k, normal) / standard_normal_pdf(normal(k));
-    let moved = population.inputs().variables()[k].cdf_derivatives(x);
+    let moved = population.inputs.variables()[k].cdf_derivatives(x);
     [0, 1].map(|p| own[p] + slope * moved[p])
 }
 

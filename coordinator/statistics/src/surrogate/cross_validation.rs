@@ -73,11 +73,11 @@ pub(super) fn cross_validate(
         return None;
     }
     let predict = |fold| predict_fold(training, form, fitted, |i: &usize| i % FOLDS == fold);
-    let folds: Option<Vec<FoldErrors>> = (0..FOLDS).into_par_iter().map(predict).collect();
+    let folds: Option<Vec<_>> = (0..FOLDS).into_par_iter().map(predict).collect();
     let mut log_densities = vec![0.0; n];
     let mut sums = vec![0.0; spreads.len()];
     let mut squares = Mat::full(n, spreads.len(), 1.0);
-    for FoldErrors { places, errors, variances } in folds? {
+    for (places, errors, variances) in folds? {
         for o in &outputs {
             for (i, place) in places.iter().enumerate() {
                 let (square, variance) = (errors[(i, *o)].powi(2), variances[(i, *o)]);
@@ -91,23 +91,14 @@ pub(super) fn cross_validate(
     Some(CrossValidation { log_densities, q2, squares })
 }
 
-/// Errors of the predictions of one fold.
-struct FoldErrors {
-    /// Indices of its points.
-    places: Vec<usize>,
-    /// Errors of the predictions `(places, m)`.
-    errors: Mat<f64>,
-    /// Predicted variances of the errors, noise included `(places, m)`.
-    variances: Mat<f64>,
-}
-
-/// Predicts the points that `out` selects by a surrogate fitted to the others.
+/// Predicts the points that `out` selects by a surrogate fitted to the others: their places `(p,)`, the errors `(p, m)` and the
+/// variances of the prediction `(p, m)` in the squares of the units of the outputs.
 fn predict_fold(
     training: TrainingSet<'_>,
     form: Form,
     fitted: &Correlation,
     out: impl Fn(&usize) -> bool,
-) -> Option<FoldErrors> {
+) -> Option<(Vec<usize>, Mat<f64>, Mat<f64>)> {
     let (places, kept): (Vec<usize>, Vec<usize>) = (0..training.points.ncols()).partition(out);
     let (points, values) = (columns(training.points, &kept), rows(training.values, &kept));
     let noise = training.noise.map(|noise| noise.subset(&kept));
@@ -119,16 +110,16 @@ fn predict_fold(
     let prediction = model.predict(columns(training.points, &places).as_ref());
     let weights = training.noise.map(|noise: &NoiseShape| noise.weights.as_slice());
     let noise = |place: usize| {
-        let Correlation { nugget, stated, .. } = *model.correlation();
+        let Correlation { nugget, stated, .. } = model.correlation;
         nugget + weights.map_or(0.0, |weights| stated * weights[place])
     };
     let m = training.values.ncols();
     let errors =
         Mat::from_fn(places.len(), m, |i, o| training.values[(places[i], o)] - prediction.mean[(o, i)]);
     let variances = Mat::from_fn(places.len(), m, |i, o| {
-        model.sigma2()[o] * (prediction.variance_factor[i] + noise(places[i]))
+        model.sigma2[o] * (prediction.variance_factor[i] + noise(places[i]))
     });
-    Some(FoldErrors { places, errors, variances })
+    Some((places, errors, variances))
 }
 
 fn columns(of: MatRef<'_, f64>, chosen: &[usize]) -> Mat<f64> {
@@ -169,7 +160,7 @@ mod tests {
         let (unseen, truth) = drawn(2000, 1000);
         let prediction = model.predict(unseen.as_ref());
         let squares = (0..2000).map(|i| {
-            let variance = model.sigma2()[0] * (prediction.variance_factor[i] + model.correlation().noise());
+            let variance = model.sigma2[0] * (prediction.variance_factor[i] + model.correlation.noise());
             (truth[(i, 0)] - prediction.mean[(0, i)]).powi(2) / variance
         });
         let unseen = squares.sum::<f64>() / 2000.0;
@@ -202,8 +193,8 @@ mod tests {
             let model = Kriging::condition(points.as_ref(), values.as_ref(), &correlation).unwrap();
             for i in (0..30).filter(|i| i % FOLDS == fold) {
                 let at = model.predict(columns(x.as_ref(), &[i]).as_ref());
-                let (error, nugget) = (y[(i, 0)] - at.mean[(0, 0)], model.correlation().nugget);
-                let variance = model.sigma2()[0] * (at.variance_factor[0] + nugget);
+                let (error, nugget) = (y[(i, 0)] - at.mean[(0, 0)], model.correlation.nugget);
+                let variance = model.sigma2[0] * (at.variance_factor[0] + nugget);
                 squares += error * error;
                 assert!((crossed.squares[(i, 0)] * variance / (error * error) - 1.0).abs() < 1e-9);
                 // The output that never varies has no part in the density.

@@ -46,7 +46,7 @@ impl Kriging {
         let nugget = self.correlation.nugget;
         let refused =
             |pivot: usize| SurrogateError::NotPositiveDefinite { points: n + k, pivot: n + pivot, nugget };
-        let l22 = cholesky(below).map_err(|failed| refused(failed.pivot))?;
+        let l22 = cholesky(below).map_err(refused)?;
         if let Some(pivot) = (0..k).find(|i| l22[(*i, *i)].powi(2) < ROUNDING) {
             return Err(refused(pivot));
         }
@@ -133,7 +133,7 @@ mod tests {
             for (a, b) in a.variance_factor.iter().zip(&b.variance_factor) {
                 assert!((a - b).abs() < 1e-10, "{kernel:?} {a} {b}");
             }
-            for (a, b) in whole.sigma2().iter().zip(extended.sigma2()) {
+            for (a, b) in whole.sigma2.iter().zip(&extended.sigma2) {
                 assert!((a / b - 1.0).abs() < 1e-8, "{kernel:?} {a} {b}");
             }
         }

@@ -13,16 +13,9 @@ use faer::linalg::triangular_inverse::invert_lower_triangular;
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::{Accum, Mat, MatMut, MatRef, Par, Spec};
 
-/// The matrix has no Cholesky factor.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Indefinite {
-    /// Index of the pivot at which the factorisation failed.
-    pub pivot: usize,
-}
-
 /// Lower Cholesky factor L `(n, n)` of a symmetric matrix A = L L' `(n, n)`, of which only the lower triangle
 /// is read; zero above the diagonal.
-pub(crate) fn cholesky(mut a: Mat<f64>) -> Result<Mat<f64>, Indefinite> {
+pub(crate) fn cholesky(mut a: Mat<f64>) -> Result<Mat<f64>, usize> {
     factor_in_place(a.as_mut())?;
     for j in 1..a.ncols() {
         a.col_as_slice_mut(j)[..j].fill(0.0);
@@ -31,11 +24,11 @@ pub(crate) fn cholesky(mut a: Mat<f64>) -> Result<Mat<f64>, Indefinite> {
 }
 
 /// Overwrites the lower triangle of A with L; entries above the diagonal are neither read nor written.
-pub(crate) fn factor_in_place(a: MatMut<'_, f64>) -> Result<(), Indefinite> {
+pub(crate) fn factor_in_place(a: MatMut<'_, f64>) -> Result<(), usize> {
     let mut memory = MemBuffer::new(cholesky_in_place_scratch::<f64>(a.nrows(), Par::Seq, Spec::default()));
     cholesky_in_place(a, Default::default(), Par::Seq, MemStack::new(&mut memory), Spec::default())
         .map(|_| ())
-        .map_err(|LltError::NonPositivePivot { index }| Indefinite { pivot: index })
+        .map_err(|LltError::NonPositivePivot { index }| index)
 }
 
 /// Copies the lower triangle of a square matrix to the upper.
@@ -116,6 +109,6 @@ mod tests {
     #[test]
     fn an_indefinite_matrix_is_refused() {
         let a = Mat::from_fn(3, 3, |i, j| if i == j { 1.0 } else { 1.5 });
-        assert_eq!(cholesky(a), Err(Indefinite { pivot: 1 }));
+        assert_eq!(cholesky(a), Err(1));
     }
 }

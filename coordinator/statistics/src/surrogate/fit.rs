@@ -15,7 +15,7 @@
 //! This project's own choice, from the fits of its built-in scenes.
 
 use super::bounds::{Bounds, NUGGET, THETA};
-use super::descent::{DescentResult, descend};
+use super::likelihood::{DescentResult, descend};
 use super::{Correlation, Form, Kernel, Likelihood, NoiseShape};
 use faer::{ColRef, Mat, MatRef};
 use rayon::prelude::*;
@@ -275,7 +275,7 @@ mod tests {
         let model =
             crate::surrogate::Kriging::condition(x.as_ref(), y.as_ref(), &fitted.correlation).unwrap();
         // The noise's standard deviation from 200 points: known to about 6 %.
-        let std = (model.sigma2()[0] * model.correlation().nugget).sqrt();
+        let std = (model.sigma2[0] * model.correlation.nugget).sqrt();
         assert!((std / 0.05 - 1.0).abs() < 0.2, "{std}");
     }
 

@@ -26,11 +26,6 @@ pub struct FormSettings {
 }
 
 impl FormSettings {
-    /// Allows one form only.
-    pub fn fixed(form: Form) -> Self {
-        Self { kernel: Some(form.kernel), trend: Some(form.trend) }
-    }
-
     /// The allowed forms for `n` points in `d` variables, the smoothest kernel and the simplest trend first.
     /// A trend that the points cannot carry is replaced by the constant one.
     pub fn candidates(&self, d: usize, n: usize) -> Vec<Form> {
@@ -60,8 +55,9 @@ mod tests {
         assert!(carried.iter().all(|form| form.trend == Trend::Constant));
         assert_eq!(carried[0], Form::default());
         let linear = Form { kernel: Kernel::Matern32, trend: Trend::Linear };
-        assert_eq!(FormSettings::fixed(linear).candidates(10, 30), [linear]);
-        assert_eq!(FormSettings::fixed(linear).candidates(20, 30)[0].trend, Trend::Constant);
+        let fixed = FormSettings { kernel: Some(linear.kernel), trend: Some(linear.trend) };
+        assert_eq!(fixed.candidates(10, 30), [linear]);
+        assert_eq!(fixed.candidates(20, 30)[0].trend, Trend::Constant);
         let kernel = FormSettings { kernel: Some(Kernel::Matern52), trend: None };
         assert_eq!(kernel.candidates(10, 30).len(), 2);
     }

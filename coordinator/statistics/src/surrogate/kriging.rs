@@ -28,7 +28,7 @@
 
 use super::bounds::NUGGET;
 use super::correlation::{correlation_below, cross_of_scaled_into, squared_norms};
-use super::factor::{Indefinite, cholesky, solve_lower, solve_lower_transposed};
+use super::factor::{cholesky, solve_lower, solve_lower_transposed};
 use super::trend::Whitened;
 use super::{Correlation, SurrogateError, Trend};
 use faer::linalg::matmul::matmul;
@@ -38,7 +38,8 @@ use std::ops::Range;
 /// A Kriging model of m outputs over n points.
 #[derive(Debug, Clone)]
 pub struct Kriging {
-    pub(super) correlation: Correlation,
+    /// The correlation in use, with the raised nugget.
+    pub correlation: Correlation,
     /// Weights of the points' noise `(n,)` [1]; `None` if all are equal.
     pub(super) weights: Option<Vec<f64>>,
     /// Points times sqrt(theta) `(d, n)` [1].
@@ -56,13 +57,13 @@ pub struct Kriging {
     /// c of the shifted values `(p, m)`.
     pub(super) coefficients: Mat<f64>,
     /// Process variances of the responses `(m,)` [unit of the output squared].
-    sigma2: Vec<f64>,
+    pub sigma2: Vec<f64>,
     /// z_o - Q c_o `(n, m)`.
     pub(super) residual: Mat<f64>,
     /// True if the outputs are the two sides of half as many responses, see the head of this file.
     pub(super) sided: bool,
     /// Number of times the nugget was raised.
-    raised: usize,
+    pub(super) raised: usize,
 }
 
 /// Prediction at b points.
@@ -117,7 +118,7 @@ impl Kriging {
                     correlation.nugget = (10.0 * correlation.nugget).clamp(NUGGET.0, NUGGET.1);
                     raised += 1;
                 }
-                Err(Indefinite { pivot }) => {
+                Err(pivot) => {
                     let nugget = correlation.nugget;
                     return Err(SurrogateError::NotPositiveDefinite { points: n, pivot, nugget });
                 }
@@ -214,24 +215,9 @@ impl Kriging {
         points.ncols() == self.points() && self.correlation.scale(points) == self.scaled
     }
 
-    /// Process variances `(m,)` [unit of the output squared].
-    pub fn sigma2(&self) -> &[f64] {
-        &self.sigma2
-    }
-
-    /// The correlation in use, with the raised nugget.
-    pub fn correlation(&self) -> &Correlation {
-        &self.correlation
-    }
-
     /// The trend in use: constant where the points cannot carry another.
     pub fn trend(&self) -> Trend {
         self.trend.trend
-    }
-
-    /// Number of times the nugget was raised.
-    pub fn raised(&self) -> usize {
-        self.raised
     }
 
     /// Correlations r(x) `(n, b)` of points `(d, b)` with the data.

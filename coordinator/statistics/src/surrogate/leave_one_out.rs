@@ -44,7 +44,7 @@ impl Kriging {
     /// Prediction of every point of response `o` from all others `(n,)`; `values` `(n, m)` are those the model was conditioned on,
     /// with two sides `(n, 2 m)`.
     pub fn left_out(&self, values: MatRef<'_, f64>, o: usize) -> Vec<LeftOut> {
-        let (dual, sigma2) = (self.dual(), self.sigma2()[o]);
+        let (dual, sigma2) = (self.dual(), self.sigma2[o]);
         let prediction = |(i, s): (usize, &f64)| LeftOut {
             mean: self.response(o, |o| values[(i, o)] - dual[(i, o)] / s),
             std: (sigma2 / s).sqrt(),
@@ -54,7 +54,7 @@ impl Kriging {
 
     /// Response `o` from its value, or from those of its two sides.
     fn response(&self, o: usize, value: impl Fn(usize) -> f64) -> f64 {
-        if self.sided { value(o).max(value(o + self.sigma2().len())) } else { value(o) }
+        if self.sided { value(o).max(value(o + self.sigma2.len())) } else { value(o) }
     }
 
     /// Leave-one-out figures per response `(m,)`; `values` `(n, m)` are those the model was conditioned on, with two sides
@@ -65,7 +65,7 @@ impl Kriging {
         let of_response = |o: usize| {
             let column: Vec<f64> = (0..n).map(|i| self.response(o, |o| values[(i, o)])).collect();
             let total = spread(ColRef::from_slice(&column)) * n as f64;
-            if total == 0.0 || self.sigma2()[o] == 0.0 {
+            if total == 0.0 || self.sigma2[o] == 0.0 {
                 return LeaveOneOut { q2: 1.0, variance_ratio: 1.0 };
             }
             let (mut squares, mut ratio) = (0.0, 0.0);
@@ -76,11 +76,11 @@ impl Kriging {
                     dual[(i, o)] / s
                 };
                 squares += error * error;
-                ratio += error * error * s / (self.sigma2()[o] * n as f64);
+                ratio += error * error * s / (self.sigma2[o] * n as f64);
             }
             LeaveOneOut { q2: 1.0 - squares / total, variance_ratio: ratio }
         };
-        (0..self.sigma2().len()).map(of_response).collect()
+        (0..self.sigma2.len()).map(of_response).collect()
     }
 
     /// Log predictive density [1] of the values of each point left out `(n,)`, mean over the outputs;
@@ -98,7 +98,7 @@ impl Kriging {
             outputs += 1.0;
             for (i, (density, s)) in densities.iter_mut().zip(&kept).enumerate() {
                 let error = dual[(i, o)] / s;
-                *density += log_density(error * error, self.sigma2()[o] / s, spread);
+                *density += log_density(error * error, self.sigma2[o] / s, spread);
             }
         }
         densities.iter_mut().for_each(|density| *density = ratio(*density, outputs));
@@ -174,7 +174,7 @@ mod tests {
             squares += error * error;
             // The process variance is that of all points; the noise is in the left-out value too.
             let noise = correlation.nugget + correlation.stated * weights[out];
-            let variance = model.sigma2()[0] * (prediction.variance_factor[0] + noise);
+            let variance = model.sigma2[0] * (prediction.variance_factor[0] + noise);
             let LeftOut { mean, std } = predicted[out];
             assert!((mean - prediction.mean[(0, 0)]).abs() < 1e-8, "{kernel:?} {out}: {mean}");
             assert!((std - variance.sqrt()).abs() < 1e-8, "{kernel:?} {out}: {std}");

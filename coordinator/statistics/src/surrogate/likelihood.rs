@@ -1,4 +1,5 @@
-//! Concentrated likelihood of the correlation parameters, with its analytic gradient.
+//! Concentrated likelihood of the correlation parameters, with its analytic gradient, and its descent by L-BFGS over the free numbers of
+//! [`Bounds`].
 //!
 //! For each of the m outputs o with values y_o `(n,)`, C = R(theta) + nugget I + stated W (W the diagonal of
 //! the points' weights, if the simulations state errors), F the basis of the trend, the residual r_o = y_o -
@@ -18,16 +19,23 @@
 //!
 //! # Source
 //! Lophaven, Nielsen, Sondergaard (2002), DACE, a Matlab Kriging toolbox; the gradient: Rasmussen, Williams
-//! (2006), Gaussian Processes for Machine Learning, section 5.4.1.
+//! (2006), Gaussian Processes for Machine Learning, section 5.4.1. L-BFGS: Liu, Nocedal (1989), On the limited memory BFGS method for
+//! large scale optimization, Mathematical Programming 45. Line search: More, Thuente (1994), Line search algorithms with guaranteed
+//! sufficient decrease, ACM Transactions on Mathematical Software 20(3).
 
+use super::bounds::Bounds;
 use super::correlation::correlation_and_slopes_into;
 use super::factor::{
     factor_in_place, invert_factor, log_determinant, solve_lower, solve_lower_transposed, square_of_inverse,
 };
 use super::trend::Whitened;
 use super::{Correlation, Trend};
+use argmin::core::{CostFunction, Error, Executor, Gradient};
+use argmin::solver::linesearch::MoreThuenteLineSearch;
+use argmin::solver::quasinewton::LBFGS;
 use faer::linalg::matmul::triangular::{BlockStructure, matmul as triangular_matmul};
 use faer::{Accum, Mat, MatRef, Par};
+use std::cell::RefCell;
 
 /// Least sigma2 over the mean square of the values [1]: a trend that explains the values completely leaves
 /// rounding only, which carries no information on lengths.
@@ -46,20 +54,14 @@ pub struct Likelihood<'a> {
     pub weights: Option<&'a [f64]>,
 }
 
-/// Value and gradient of f.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LikelihoodValue {
-    /// The value f, to be minimised [1].
-    pub value: f64,
-    /// Derivatives with respect to ln theta_1 .. ln theta_d, ln nugget and, with weights, ln stated,
-    /// `(d + 1,)` or `(d + 2,)` [1].
-    pub gradient: Vec<f64>,
-}
+/// The value f, to be minimised [1], and its derivatives with respect to ln theta_1 .. ln theta_d, ln nugget and, with weights,
+/// ln stated, `(d + 1,)` or `(d + 2,)` [1].
+type ValueAndGradient = (f64, Vec<f64>);
 
 /// Three matrices `(n, n)`, of which the lower triangles are used. Their memory is kept between evaluations:
 /// allocation took a third of the time at n = 937.
 #[derive(Debug)]
-pub(super) struct Workspace {
+struct Workspace {
     /// C, then L, then G and M.
     c: Mat<f64>,
     /// Slopes -dR/dr2 of the correlations.
@@ -76,16 +78,12 @@ impl Workspace {
 
 impl Likelihood<'_> {
     /// f and its gradient; `None` if C has no Cholesky factor or a value is not finite.
-    pub fn evaluate(&self, correlation: &Correlation) -> Option<LikelihoodValue> {
+    pub fn evaluate(&self, correlation: &Correlation) -> Option<ValueAndGradient> {
         self.evaluate_in(&mut Workspace::new(self.points.ncols()), correlation)
     }
 
     /// f and its gradient as in [`Likelihood::evaluate`], in memory that is used again.
-    pub(super) fn evaluate_in(
-        &self,
-        work: &mut Workspace,
-        correlation: &Correlation,
-    ) -> Option<LikelihoodValue> {
+    fn evaluate_in(&self, work: &mut Workspace, correlation: &Correlation) -> Option<ValueAndGradient> {
         let (d, n, m) = (self.points.nrows(), self.points.ncols(), self.values.ncols());
         let Workspace { c: l, slopes, l_inverse } = work;
         correlation_and_slopes_into(correlation, self.points, l.as_mut(), slopes.as_mut());
@@ -136,8 +134,7 @@ impl Likelihood<'_> {
         gradient.iter_mut().zip(&correlation.theta).for_each(|(g, theta)| *g *= -2.0 * theta / n as f64);
         gradient.push(correlation.nugget * trace / n as f64);
         gradient.extend(weighted_trace.map(|trace| correlation.stated * trace / n as f64));
-        (value.is_finite() && gradient.iter().all(|g| g.is_finite()))
-            .then_some(LikelihoodValue { value, gradient })
+        (value.is_finite() && gradient.iter().all(|g| g.is_finite())).then_some((value, gradient))
     }
 
     /// sum_i s_i x_ik^2 - x_k' M x_k for every variable `(d,)`, from the lower triangle of M, whose diagonal
@@ -168,6 +165,96 @@ impl Likelihood<'_> {
             (0..n).map(|i| x[i] * (row_sums[i] * x[i] - mx[i])).sum()
         };
         (0..d).map(moment).collect()
+    }
+}
+
+/// Change of f per iteration below which the optimum counts as found; 1e-6 n in 2 ln L is far inside its
+/// confidence region.
+const VALUE_TOLERANCE: f64 = 1e-6;
+/// Number of corrections that L-BFGS stores: about one per parameter of 30 variables; with 8 the lengths
+/// without influence decrease slowly.
+const MEMORY: usize = 30;
+
+/// Result of one descent, and its last point: the optimiser requests value and gradient separately.
+#[derive(Default)]
+pub(super) struct DescentResult {
+    last: Option<(Vec<f64>, ValueAndGradient)>,
+    /// Best free parameters `(d + 1,)` or `(d + 2,)` and their f; `None` if f could not be evaluated
+    /// anywhere.
+    pub best: Option<(Vec<f64>, f64)>,
+    /// Number of evaluations of the likelihood.
+    pub evaluations: usize,
+}
+
+/// Descends from the free parameters `start` for at most `iterations` iterations.
+pub(super) fn descend(
+    likelihood: &Likelihood<'_>,
+    bounds: Bounds,
+    start: Vec<f64>,
+    iterations: u64,
+) -> DescentResult {
+    let memo = RefCell::new(DescentResult::default());
+    let work = RefCell::new(Workspace::new(likelihood.points.ncols()));
+    let problem = LikelihoodProblem { likelihood, bounds, memo: &memo, work: &work };
+    let search = MoreThuenteLineSearch::new();
+    // An error of the line search (a step to an indefinite matrix) ends the descent; the best point evaluated
+    // counts.
+    let run = LBFGS::new(search, MEMORY)
+        .with_tolerance_grad(1e-5)
+        .and_then(|solver| solver.with_tolerance_cost(VALUE_TOLERANCE))
+        .and_then(|solver| {
+            Executor::new(problem, solver).configure(|state| state.param(start).max_iters(iterations)).run()
+        });
+    if let Err(error) = run {
+        tracing::debug!(%error, "a descent of the likelihood ended early");
+    }
+    memo.into_inner()
+}
+
+/// The likelihood over free parameters, as `argmin` takes it.
+struct LikelihoodProblem<'a> {
+    likelihood: &'a Likelihood<'a>,
+    bounds: Bounds,
+    memo: &'a RefCell<DescentResult>,
+    work: &'a RefCell<Workspace>,
+}
+
+impl LikelihoodProblem<'_> {
+    fn evaluate(&self, free: &[f64]) -> Result<ValueAndGradient, Error> {
+        let mut memo = self.memo.borrow_mut();
+        if let Some((point, value)) = &memo.last
+            && point == free
+        {
+            return Ok(value.clone());
+        }
+        memo.evaluations += 1;
+        let value = self.likelihood.evaluate_in(&mut self.work.borrow_mut(), &self.bounds.correlation(free));
+        let found = value.ok_or_else(|| Error::msg("correlation matrix without Cholesky factor"));
+        let (value, mut gradient) = found?;
+        gradient.iter_mut().zip(free).enumerate().for_each(|(k, (g, t))| {
+            *g *= self.bounds.slope(k, *t);
+        });
+        if memo.best.as_ref().is_none_or(|(_, best)| value < *best) {
+            memo.best = Some((free.to_vec(), value));
+        }
+        memo.last = Some((free.to_vec(), (value, gradient.clone())));
+        Ok((value, gradient))
+    }
+}
+
+impl CostFunction for LikelihoodProblem<'_> {
+    type Param = Vec<f64>;
+    type Output = f64;
+    fn cost(&self, param: &Self::Param) -> Result<f64, Error> {
+        Ok(self.evaluate(param)?.0)
+    }
+}
+
+impl Gradient for LikelihoodProblem<'_> {
+    type Param = Vec<f64>;
+    type Gradient = Vec<f64>;
+    fn gradient(&self, param: &Self::Param) -> Result<Vec<f64>, Error> {
+        Ok(self.evaluate(param)?.1)
     }
 }
 
@@ -207,14 +294,14 @@ mod tests {
             likelihood.evaluate(&correlation).unwrap()
         };
         let p = [-1.0, -0.5, -2.0, -3.0, -6.0, -4.0];
-        let analytic = evaluate(&p).gradient;
+        let analytic = evaluate(&p).1;
         assert_eq!(analytic.len(), d + 1 + usize::from(likelihood.weights.is_some()));
         for (k, analytic) in analytic.into_iter().enumerate() {
             let h = 1e-5;
             let (mut up, mut down) = (p, p);
             up[k] += h;
             down[k] -= h;
-            let numeric = (evaluate(&up).value - evaluate(&down).value) / (2.0 * h);
+            let numeric = (evaluate(&up).0 - evaluate(&down).0) / (2.0 * h);
             let case = (kernel, likelihood.trend, k);
             assert!(
                 (numeric - analytic).abs() < 1e-6 * (1.0 + numeric.abs()),

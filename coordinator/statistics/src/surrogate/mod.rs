@@ -12,9 +12,9 @@
 //! | `kernel`, `correlation` | correlation functions and matrices |
 //! | `trend` | generalised least squares of the trend |
 //! | `kriging`, `extended` | conditioning, prediction, also of a response that is the larger of two; further points at the same lengths |
-//! | `likelihood`, `bounds`, `descent`, `fit` | maximum likelihood of the lengths |
+//! | `likelihood`, `bounds`, `fit` | maximum likelihood of the lengths |
 //! | `noise` | noise in proportion to stated errors |
-//! | `leave_one_out`, `cross_validation`, `choice`, `sharing` | quality and choice of the form |
+//! | `leave_one_out`, `cross_validation`, `choice` | quality and choice of the form |
 //! | `explicit` | the mean as plain numbers |
 //! | `posterior`, `cache` | joint posterior of a pool, cached predictions of a population |
 //!
@@ -32,7 +32,7 @@
 //!
 //! let prediction = chosen.model.predict(Mat::from_fn(2, 1, |k, _| [0.3, -1.2][k]).as_ref());
 //! assert!((prediction.mean[(0, 0)] - (0.3f64.sin() - 0.6)).abs() < 1e-2);
-//! let std = (chosen.model.sigma2()[0] * prediction.variance_factor[0]).sqrt();
+//! let std = (chosen.model.sigma2[0] * prediction.variance_factor[0]).sqrt();
 //! assert!(std < 1e-2);
 //! # Ok::<(), statistics::surrogate::SurrogateError>(())
 //! ```
@@ -49,7 +49,6 @@ mod cache_tests;
 mod choice;
 mod correlation;
 mod cross_validation;
-mod descent;
 mod explicit;
 mod extended;
 mod factor;
@@ -61,11 +60,10 @@ mod leave_one_out;
 mod likelihood;
 mod noise;
 mod posterior;
-mod sharing;
 mod trend;
 
 pub use cache::PredictionCache;
-pub use choice::{Chosen, Incumbent, fit_surrogate};
+pub use choice::{Chosen, compare_sharing, fit_surrogate};
 pub use correlation::{Correlation, correlation_matrix};
 pub use cross_validation::CrossValidation;
 pub use explicit::ExplicitMean;
@@ -74,10 +72,9 @@ pub use form::{Form, FormSettings};
 pub use kernel::Kernel;
 pub use kriging::{Kriging, Prediction};
 pub use leave_one_out::{LeaveOneOut, LeftOut};
-pub use likelihood::{Likelihood, LikelihoodValue};
+pub use likelihood::Likelihood;
 pub use noise::{NoiseShape, StatedErrors};
 pub use posterior::Posterior;
-pub use sharing::compare_sharing;
 pub use trend::Trend;
 
 use thiserror::Error;

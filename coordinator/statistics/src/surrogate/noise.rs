@@ -175,7 +175,7 @@ mod tests {
         .unwrap();
         // Where the error is 1 the noise is 0.1; from about 100 points known to about 7 %.
         let largest = shape.weights.iter().copied().fold(0.0, f64::max);
-        let std = (model.sigma2()[0] * (correlation.stated * largest + correlation.nugget)).sqrt();
+        let std = (model.sigma2[0] * (correlation.stated * largest + correlation.nugget)).sqrt();
         assert!((std / 0.1 - 1.0).abs() < 0.2, "{std} {correlation:?}");
         // With the same noise at all points the quiet half gets too little weight.
         let alike = fit(None);

@@ -24,7 +24,7 @@ pub struct Posterior {
     /// K `(p, p)` [1].
     covariance: Mat<f64>,
     /// Expected noise variance of a further result over sigma2 [1].
-    noise: f64,
+    pub noise: f64,
 }
 
 impl Posterior {
@@ -32,32 +32,22 @@ impl Posterior {
     pub fn new(model: &Kriging, points: MatRef<'_, f64>) -> Self {
         let w = model.whitened(points);
         let v = model.trend.extrapolation(points, w.as_ref());
-        let mut covariance = correlation_matrix(model.correlation(), points);
+        let mut covariance = correlation_matrix(&model.correlation, points);
         matmul(covariance.as_mut(), Accum::Add, w.transpose(), w.as_ref(), -1.0, Par::Seq);
         let over_square = |k: usize, j: usize| ratio(v[(k, j)], model.trend.squares[k]);
         let weighted = Mat::from_fn(v.nrows(), v.ncols(), over_square);
         matmul(covariance.as_mut(), Accum::Add, v.transpose(), weighted, 1.0, Par::Seq);
-        Self { covariance, noise: model.correlation().noise() }
+        Self { covariance, noise: model.correlation.noise() }
     }
 
     /// Number of points p.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.covariance.nrows()
-    }
-
-    /// True without any point.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 
     /// Variance of point `i` over sigma2 [1], at least 0.
     pub fn variance(&self, i: usize) -> f64 {
         self.covariance[(i, i)].max(0.0)
-    }
-
-    /// Expected noise variance of a further result over sigma2 [1].
-    pub fn noise(&self) -> f64 {
-        self.noise
     }
 
     /// Covariances of all points with point `j` over sigma2 `(p,)` [1].

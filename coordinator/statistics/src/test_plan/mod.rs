@@ -18,6 +18,6 @@ mod plan;
 mod prior;
 
 pub use plan::{
-    GroupPlan, MOST_UNITS, mean_length, pass_probability, reliability_over, reliability_passed, units,
+    MOST_UNITS, group_plan, mean_length, pass_probability, reliability_over, reliability_passed, units,
 };
-pub use prior::{BetaPrior, PriorRisks};
+pub use prior::BetaPrior;

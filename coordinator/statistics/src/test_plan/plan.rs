@@ -81,28 +81,13 @@ pub fn mean_length(units: u64, allowed: u64, r: f64, shape: f64, lives: &[f64]) 
     before.zip(lives).map(piece).sum()
 }
 
-/// Groups of units of which each runs to its first failure.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct GroupPlan {
-    /// Number of groups g.
-    pub groups: u64,
-    /// Life at which all groups may have their first failure, in lives t0: the mean of (T / t0)^b to the power of 1 / b [1].
-    pub length: f64,
-    /// Reliability at t0 of units of which 90 % of the tests are passed [1].
-    pub passes: f64,
-}
-
-impl GroupPlan {
-    /// The plan of `groups` groups of `size` units for a reliability, a confidence and a shape [1].
-    pub fn new(groups: u64, size: u64, r: f64, confidence: f64, shape: f64) -> Self {
-        let chi2 = |p: f64| ChiSquared::new(2.0 * groups as f64).map_or(f64::NAN, |chi2| chi2.inverse_cdf(p));
-        let sum = chi2(confidence) / (-2.0 * size as f64 * r.ln());
-        Self {
-            groups,
-            length: (sum / groups as f64).powf(1.0 / shape),
-            passes: r.powf(chi2(0.1) / chi2(confidence)),
-        }
-    }
+/// Groups of units of which each runs to its first failure, `groups` of `size` units, for a reliability, a confidence and a shape [1]:
+/// life at which all groups may have their first failure, in lives t0, the mean of (T / t0)^b to the power of 1 / b, and reliability
+/// at t0 of units of which 90 % of the tests are passed [1].
+pub fn group_plan(groups: u64, size: u64, r: f64, confidence: f64, shape: f64) -> (f64, f64) {
+    let chi2 = |p: f64| ChiSquared::new(2.0 * groups as f64).map_or(f64::NAN, |chi2| chi2.inverse_cdf(p));
+    let sum = chi2(confidence) / (-2.0 * size as f64 * r.ln());
+    ((sum / groups as f64).powf(1.0 / shape), r.powf(chi2(0.1) / chi2(confidence)))
 }
 
 #[cfg(test)]
@@ -155,8 +140,8 @@ mod tests {
     #[test]
     fn sudden_death_has_its_risk() {
         let (r, confidence, shape, size, groups) = (0.99_f64, 0.9, 2.5_f64, 5, 4_u32);
-        let plan = GroupPlan::new(u64::from(groups), size, r, confidence, shape);
-        let needed = f64::from(groups) * plan.length.powf(shape);
+        let (length, passes) = group_plan(u64::from(groups), size, r, confidence, shape);
+        let needed = f64::from(groups) * length.powf(shape);
         let mut rng = ChaCha12Rng::seed_from_u64(8);
         let mut passed = |r: f64| {
             let scale = (-r.ln()).powf(-1.0 / shape);
@@ -165,7 +150,7 @@ mod tests {
             (0..1000).filter(|_| (0..groups).map(|_| first().powf(shape)).sum::<f64>() >= needed).count()
         };
         // Binomial of 1000 with standard errors of 9.5: 100 and 900.
-        let (at_r, at_good) = (passed(r), passed(plan.passes));
+        let (at_r, at_good) = (passed(r), passed(passes));
         assert!((72..=128).contains(&at_r) && (872..=928).contains(&at_good), "{at_r} {at_good}");
     }
 

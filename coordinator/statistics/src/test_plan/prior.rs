@@ -15,7 +15,6 @@
 //! Martz, Waller (1982), Bayesian Reliability Analysis, Wiley, chapter 10.
 
 use super::plan::{least, pass_probability};
-use serde::Serialize;
 use statrs::function::beta::{beta_reg, ln_beta};
 
 /// Points of the sums over ln(R / (1 - R)) on each side of R0.
@@ -30,17 +29,6 @@ pub struct BetaPrior {
     pub survived: f64,
     /// Parameter b: units that have failed [1].
     pub failed: f64,
-}
-
-/// Probabilities of what may happen to a test, over the prior.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct PriorRisks {
-    /// That it is passed [1].
-    pub passed: f64,
-    /// That R < R0 although it was passed: the error of the first kind [1].
-    pub wrongly_passed: f64,
-    /// That it is failed although R >= R0: the error of the second kind [1].
-    pub wrongly_failed: f64,
 }
 
 impl BetaPrior {
@@ -61,11 +49,6 @@ impl BetaPrior {
             }
             Self { survived: other(lower), failed: 1.0 }
         })
-    }
-
-    /// Number of units that the prior is worth [1].
-    pub fn units(&self) -> f64 {
-        self.survived + self.failed
     }
 
     /// P(R < r) [1].
@@ -108,15 +91,13 @@ impl BetaPrior {
         least(allowed, demonstrates)
     }
 
-    /// Risks of a test of `units` units with `allowed` failures that sees R^`power`.
-    pub fn risks(&self, r0: f64, (units, allowed): (u64, u64), power: f64) -> PriorRisks {
+    /// Probabilities of what may happen to a test of `units` units with `allowed` failures that sees R^`power`, over the prior [1]: that it
+    /// is passed, that R < R0 although it was passed, the error of the first kind, and that it is failed although R >= R0, the error
+    /// of the second kind.
+    pub fn risks(&self, r0: f64, (units, allowed): (u64, u64), power: f64) -> [f64; 3] {
         let [below, above] = self.parts(r0, |r| pass_probability(units, allowed, r.powf(power)));
         let passed = below + above;
-        PriorRisks {
-            passed,
-            wrongly_passed: below / passed,
-            wrongly_failed: (1.0 - self.below(r0) - above).max(0.0),
-        }
+        [passed, below / passed, (1.0 - self.below(r0) - above).max(0.0)]
     }
 }
 
@@ -147,7 +128,7 @@ mod tests {
     #[test]
     fn the_prior_has_the_mean_and_contains_the_interval() {
         let prior = BetaPrior::containing(0.98, [0.96, 0.992], f64::INFINITY);
-        assert!((prior.survived / prior.units() - 0.98).abs() < 1e-12);
+        assert!((prior.survived / (prior.survived + prior.failed) - 0.98).abs() < 1e-12);
         let tails = [prior.below(0.96), prior.below(0.992)];
         assert!(tails[0] >= 0.025 - 1e-9 && tails[1] <= 0.975 + 1e-9, "{tails:?}");
         assert!((tails[0] - 0.025).abs().min((tails[1] - 0.975).abs()) < 1e-6, "{tails:?}");
@@ -156,8 +137,9 @@ mod tests {
         assert!((none.below(0.999) - 0.025).abs() < 1e-12 && none.failed == 1.0);
         let all = BetaPrior::containing(1e-4, [0.0, 4.4e-4], f64::INFINITY);
         assert!((all.below(4.4e-4) - 0.975).abs() < 1e-12 && all.survived == 1.0);
-        assert!((BetaPrior::containing(0.98, [0.96, 0.992], 60.0).units() - 60.0).abs() < 1e-9);
-        assert!(BetaPrior::containing(0.98, [0.96, 0.992], 30.0).units() <= 30.0);
+        let units = |prior: BetaPrior| prior.survived + prior.failed;
+        assert!((units(BetaPrior::containing(0.98, [0.96, 0.992], 60.0)) - 60.0).abs() < 1e-9);
+        assert!(units(BetaPrior::containing(0.98, [0.96, 0.992], 30.0)) <= 30.0);
     }
 
     /// With R^1 the posterior is beta again; a uniform prior needs one unit less than none.
@@ -183,7 +165,7 @@ mod tests {
         let prior = BetaPrior::containing(0.991, [0.985, 0.997], f64::INFINITY);
         for allowed in [0, 1] {
             let n = prior.units_for(r0, allowed, confidence, power).unwrap();
-            let risks = prior.risks(r0, (n, allowed), power);
+            let risks @ [probable, wrongly_passed, wrongly_failed] = prior.risks(r0, (n, allowed), power);
             let mut rng = ChaCha12Rng::seed_from_u64(3);
             let law = Beta::new(prior.survived, prior.failed).unwrap();
             let (mut passed, mut wrongly, mut missed, mut bad) = (0, 0, 0, 0);
@@ -198,15 +180,15 @@ mod tests {
             }
             // Of the populations with R < R0 at most 1 - C pass; of those that pass the stated share is one of them.
             assert!(f64::from(wrongly) <= (1.0 - confidence) * f64::from(bad), "{wrongly} of {bad}");
-            assert!(risks.wrongly_passed <= 1.0 - confidence, "{risks:?}");
+            assert!(wrongly_passed <= 1.0 - confidence, "{risks:?}");
             let share = f64::from(wrongly) / f64::from(passed);
             // Four standard errors of shares of 1000, and of those that passed.
             let near = |found: f64, stated: f64, of: f64| {
                 (found - stated).abs() < 4.0 * (stated * (1.0 - stated) / of).sqrt()
             };
-            assert!(near(share, risks.wrongly_passed, f64::from(passed)), "{share} {risks:?}");
-            assert!(near(f64::from(passed) / 1000.0, risks.passed, 1000.0), "{passed} {risks:?}");
-            assert!(near(f64::from(missed) / 1000.0, risks.wrongly_failed, 1000.0), "{missed} {risks:?}");
+            assert!(near(share, wrongly_passed, f64::from(passed)), "{share} {risks:?}");
+            assert!(near(f64::from(passed) / 1000.0, probable, 1000.0), "{passed} {risks:?}");
+            assert!(near(f64::from(missed) / 1000.0, wrongly_failed, 1000.0), "{missed} {risks:?}");
         }
     }
 }

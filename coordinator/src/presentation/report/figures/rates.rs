@@ -29,10 +29,10 @@ pub fn failure_rates(summary: &StudySummary) -> Vec<Figure> {
     }
     let curve = |name| Some((name, summary.curves.iter().find(|curve| curve.limit_state == name)?));
     let curves: Vec<(&str, &LifeCurveRow)> = summary.curve_names().filter_map(curve).collect();
-    let density = |curve: &SurvivalCurve, from: f64, to: f64| Some(PER * curve.rate(from, to).density);
+    let density = |curve: &SurvivalCurve, from: f64, to: f64| Some(PER * curve.rate(from, to).0);
     let hazard = |curve: &SurvivalCurve, from: f64, to: f64| {
         let rate = (curve.at(to) > FEW).then(|| curve.rate(from, to))?;
-        rate.hazard.map(|h| PER * h)
+        rate.1.map(|h| PER * h)
     };
     let density = over_life(summary, &curves, ["failure-density", "Failure density"], density);
     let hazard = over_life(summary, &curves, ["hazard", "Hazard rate"], hazard);
@@ -75,8 +75,7 @@ fn over_life(
             let [left, right] = [pair[0], pair[1]].map(|time| axis.place(time));
             line.extend([(left, best), (right, best)]);
             most = most.max(best);
-            if let Some(interval) = band.as_ref().and_then(|band| band.interval(value)) {
-                let [lower, upper] = [interval.lower, interval.upper];
+            if let Some([lower, upper]) = band.as_ref().and_then(|band| band.interval(value)) {
                 area.extend([(left, lower, upper), (right, lower, upper)]);
                 most = most.max(upper);
             }

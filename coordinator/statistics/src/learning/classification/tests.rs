@@ -13,7 +13,7 @@ pub fn classify(model: &Kriging, population: &Population, mode: &ClassifiedMode<
 #[test]
 fn curves_count_each_mode_and_the_first_of_them() {
     let (a, b) = ([0, 2, 3, 3], [3, 1, 3, 2]);
-    let curves = curves(&[&a, &b], 3);
+    let curves = curves(&with_system(vec![a.to_vec(), b.to_vec()]), 3);
     assert_eq!(curves[0], vec![0.25, 0.25, 0.5]);
     assert_eq!(curves[1], vec![0.0, 0.25, 0.5]);
     assert_eq!(curves[2], vec![0.25, 0.5, 0.75]);
