@@ -1,13 +1,13 @@
 //! Studies of the program `beam` on worker processes that have it themselves, with losses and with licences.
 
 use crate::process::Process;
-use crate::{Outcomes, program};
+use crate::{Outcomes, open_simulator, program};
 use common::accuracy::Accuracy;
 use common::evaluation_shape::EvaluationShape;
 use common::external::SimulatorId;
 use common::scene::SceneSource;
 use coordinator::farm::dispatch::{CampaignSimulator, CampaignSpec, Listen, ZenohEvaluator};
-use coordinator::farm::evaluate::{EvaluateError, Evaluator, Finished, Request, external};
+use coordinator::farm::evaluate::{EvaluateError, Evaluator, Finished, Request};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -103,9 +103,8 @@ impl BeamStudy {
     pub fn expected(&self, batch: &[Request]) -> Result<Outcomes, EvaluateError> {
         let folder = tempfile::tempdir().expect("there is room for a folder");
         let quick = Self::new(folder.path(), 0.0);
-        let scene = quick.source.nominal();
-        let simulator = scene.simulator.as_ref().expect("the scene names its simulator");
-        let mut local = external::open(simulator, scene, 1, Arc::default())?;
+        let local = open_simulator(quick.source.nominal(), 1);
+        let mut local = local.map_err(|error| EvaluateError::Slot(error.into()))?;
         let mut outcomes = Outcomes::new();
         local.evaluate(batch, &mut |Finished { id, outcome, .. }| {
             outcomes.insert(id, outcome);

@@ -5,7 +5,7 @@ use super::csv_file::{CsvRow, csv_rows};
 use super::document::document;
 use super::extends::read_input as read;
 use super::faults::{Fault, Faults};
-use super::layers::{Layer, Layers};
+use super::layers::Layer;
 use super::section::Section;
 use std::path::Path;
 use toml::Table;
@@ -14,7 +14,7 @@ use toml::Table;
 #[derive(Debug, Clone)]
 pub struct InputFile {
     document: Table,
-    layers: Layers,
+    layer: Layer,
 }
 
 impl InputFile {
@@ -33,12 +33,12 @@ impl InputFile {
     pub fn parse(text: &str, origin: &str) -> Result<Self, Faults> {
         let document = document(text, origin)?;
         let layer = Layer { file: origin.to_owned(), text: text.to_owned(), imported: vec![] };
-        Ok(Self { document, layers: Layers(vec![layer]) })
+        Ok(Self { document, layer })
     }
 
     /// The file as it is called in faults.
     pub fn origin(&self) -> &str {
-        &self.layers.0[0].file
+        &self.layer.file
     }
 
     /// Its tables as written.
@@ -68,7 +68,7 @@ impl InputFile {
     }
 
     fn faultless(&self, faults: Vec<Fault>) -> Result<(), Faults> {
-        if faults.is_empty() { Ok(()) } else { Err(self.layers.located(Faults(faults))) }
+        if faults.is_empty() { Ok(()) } else { Err(self.layer.located(Faults(faults))) }
     }
 }
 

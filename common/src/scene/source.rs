@@ -8,7 +8,7 @@ use super::edit::rewritten;
 use super::extends::{SCENE_FILE, flatten, read, unknown_scene};
 use super::faults::{Fault, FaultKind, Faults, in_unit};
 use super::input::InputFile;
-use super::layers::Layers;
+use super::layers::{Layer, located, location};
 use super::location::Location;
 use super::model::Scene;
 use super::quantity::Quantity;
@@ -30,9 +30,12 @@ pub struct SceneSource {
     document: Table,
     nominal: Scene,
     seen: BTreeMap<String, Quantity>,
-    unused_parameters: Vec<String>,
-    measured: Vec<MeasuredVariable>,
-    layers: Layers,
+    /// Parameters that nothing in the scene depends on, sorted: usually a typing error. A parameter that a random
+    /// variable changes is unused if nothing else reads it.
+    pub unused_parameters: Vec<String>,
+    /// The random variables that have measured samples, with these.
+    pub measured: Vec<MeasuredVariable>,
+    layers: Vec<Layer>,
 }
 
 impl SceneSource {
@@ -77,18 +80,18 @@ impl SceneSource {
 
     fn from_text(text: String, origin: &str, folder: Option<&Path>) -> Result<Self, Faults> {
         let (document, layers) = flatten(text, origin, folder)?;
-        Self::checked(document, layers.clone(), origin, folder).map_err(|faults| layers.located(faults))
+        Self::checked(document, layers.clone(), origin, folder).map_err(|faults| located(&layers, faults))
     }
 
     fn checked(
         mut document: Table,
-        layers: Layers,
+        layers: Vec<Layer>,
         origin: &str,
         folder: Option<&Path>,
     ) -> Result<Self, Faults> {
         let settled = settle_folder(&mut document, folder);
         // The text must stand alone where it is sent to and stored.
-        let text = match layers.0.as_slice() {
+        let text = match layers.as_slice() {
             [own] if !settled && own.imported.is_empty() => own.text.clone(),
             all => rewritten(&all.iter().map(|layer| &*layer.text).collect::<Vec<_>>(), &document),
         };
@@ -160,17 +163,6 @@ impl SceneSource {
         self.variables().iter().map(|variable| variable.distribution.parent_mean()).collect()
     }
 
-    /// Parameters that nothing in the scene depends on, sorted: usually a typing error. A parameter that a random
-    /// variable changes is unused if nothing else reads it.
-    pub fn unused_parameters(&self) -> Vec<String> {
-        self.unused_parameters.clone()
-    }
-
-    /// The random variables that have measured samples, with these.
-    pub fn measured(&self) -> &[MeasuredVariable] {
-        &self.measured
-    }
-
     /// What is valid but most likely not meant, with the path of the key.
     pub fn warnings(&self) -> Vec<Warning> {
         let scene = &self.nominal;
@@ -217,7 +209,7 @@ impl SceneSource {
 
     /// Place of a key in the texts of this scene and those it extends, or of the longest part of its path that they contain.
     pub fn location(&self, key: &str) -> Option<Location> {
-        self.layers.location(key)
+        location(&self.layers, key)
     }
 
     /// The nominal scene: every random variable at its mean.

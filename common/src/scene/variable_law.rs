@@ -7,7 +7,9 @@ use super::context::Range;
 use super::faults::{FaultKind, in_first_unit};
 use super::quantity::{Kind, LENGTH, NUMBER, Quantity};
 use super::section::Section;
-use crate::random::{Distribution, Extreme, Feature, Fit, LawError, ToleranceClass, ToleranceError};
+use crate::random::{
+    Distribution, Extreme, Feature, LawError, ToleranceClass, ToleranceError, clearance_of_fit,
+};
 use std::collections::BTreeMap;
 use toml::Value;
 
@@ -254,7 +256,7 @@ fn moments(
     capability: f64,
 ) -> Result<(Option<Feature>, f64, f64), ToleranceError> {
     if written.contains('/') {
-        let (mean, std) = Fit::parse(written)?.clearance(diameter, capability)?;
+        let (mean, std) = clearance_of_fit(written, diameter, capability)?;
         return Ok((None, 0.5 * mean, 0.5 * std));
     }
     let class = ToleranceClass::parse(written)?;

@@ -13,7 +13,7 @@ use common::scene::SceneSource;
 use common::wire::ScaleStatus;
 use coordinator::farm::allocation::{BatchSystem, ScaleSettings, Scaling};
 use coordinator::farm::dispatch::{
-    CampaignSimulator, CampaignSpec, CrossCheck, Listen, StatusBoard, Watch, Watched, ZenohEvaluator, watch,
+    CampaignSimulator, CampaignSpec, CrossCheck, Listen, StatusBoard, Watch, ZenohEvaluator, watch,
 };
 use coordinator::farm::evaluate::Evaluator;
 use coordinator::presentation::monitor::StatusSource;
@@ -21,6 +21,7 @@ use coordinator::presentation::terminal::print_message;
 use coordinator::results::summary::ScaleRow;
 use coordinator::study::Settings;
 use std::sync::Arc;
+use std::sync::mpsc::Sender;
 use std::time::{Duration, Instant};
 use worker::service::{self, ServiceConfig, Simulator, WorkerHandle};
 use worker::simulator::simulator;
@@ -152,7 +153,7 @@ pub struct WorkerFarm {
     campaign: u64,
     /// Asks a batch system for workers.
     scaling: Option<Scaling>,
-    _watched: Option<Watched>,
+    _watched: Option<Sender<()>>,
 }
 
 impl WorkerFarm {

@@ -7,14 +7,14 @@ use common::external::SimulatorId;
 use common::failure::SimulationFailure;
 use common::scene::SceneSource;
 use coordinator::farm::dispatch::{CampaignSimulator, CampaignSpec, Listen, ZenohEvaluator};
-use coordinator::farm::evaluate::{EvaluateError, Evaluator, Finished, Request, external};
+use coordinator::farm::evaluate::{EvaluateError, Evaluator, Finished, Request};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 use tests::process::Process;
-use tests::{Outcomes, PATIENCE, in_time, program, stop, within};
+use tests::{Outcomes, PATIENCE, in_time, open_simulator, program, stop, within};
 
 /// Replies with the number of the evaluation; the evaluation with the number in its argument hangs, or all of them. A process
 /// that hangs notes its number and that of its child.
@@ -160,7 +160,7 @@ fn a_program_that_hangs_is_a_failed_evaluation_as_on_one_machine() {
 
         let source = SceneSource::load(&file.display().to_string()).unwrap();
         let scene = source.nominal();
-        let mut local = external::open(scene.simulator.as_ref().unwrap(), scene, 2, Arc::default()).unwrap();
+        let mut local = open_simulator(scene, 2).unwrap();
         assert_eq!(evaluate(&mut *local, 8).unwrap().0, remote);
     });
 }

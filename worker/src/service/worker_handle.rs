@@ -1,12 +1,11 @@
 //! Starts and stops a worker: its slots, and one claim loop for each of its coordinators.
 
-use super::claim_event::ClaimEvent;
 use super::claim_loop::ClaimLoop;
 use super::connection_monitor::ConnectionMonitor;
 use super::leave_policy::LeavePolicy;
-use super::link::{Link, LinkSettings, link_settings};
+use super::link::{Link, link_settings};
 use super::slots::Slots;
-use super::{Departure, ServiceConfig, ServiceError, Simulator, new_epoch};
+use super::{ClaimEvent, Departure, ServiceConfig, ServiceError, Simulator, new_epoch};
 use common::wire::{WorkerId, worker_name};
 use std::sync::Arc;
 use std::sync::mpsc::{Sender, channel};
@@ -102,8 +101,8 @@ pub fn spawn(config: ServiceConfig, simulator: Arc<dyn Simulator>) -> Result<Wor
     }
     let worker = WorkerId { name: worker_name(&config.name), epoch: new_epoch() };
     let (inboxes, received): (Vec<_>, Vec<_>) = config.connect.iter().map(|_| channel()).unzip();
-    let links: Vec<LinkSettings> =
-        config.connect.iter().map(|endpoint| link_settings(&config, endpoint)).collect::<Result<_, _>>()?;
+    let links = config.connect.iter().map(|endpoint| link_settings(&config, endpoint));
+    let links = links.collect::<Result<Vec<_>, _>>()?;
     let slots = Slots::start(&config, &worker.name, simulator, &inboxes).map_err(ServiceError::Thread)?;
     let slots = Arc::new(slots);
     let started = Instant::now();
@@ -114,7 +113,7 @@ pub fn spawn(config: ServiceConfig, simulator: Arc<dyn Simulator>) -> Result<Wor
         let serve = move || {
             let mut monitor = ConnectionMonitor::new(&config.connect[coordinator], config.give_up_after);
             let leave_policy = LeavePolicy::new(&config, started);
-            let departure = |now: Instant| leave_policy.over_before_work(now, slots.shares.idle_for(now));
+            let departure = |now: Instant| leave_policy.over_before_work(now, slots.shares().idle_for(now));
             match Link::connect(&link, &config, &worker, &inbox, &received, &mut monitor, departure)? {
                 Ok(link) => ClaimLoop::new(config, worker, coordinator, link, slots, monitor, leave_policy)
                     .run(&received),

@@ -15,12 +15,12 @@ use axum::http::StatusCode;
 use axum::response::{IntoResponse, Json, Response};
 use axum::routing::{get, post};
 use common::umbridge::{
-    ErrorBody, ErrorReply, EvaluateRequest, Info, InputSizes, ModelInfo, ModelInfoRequest, OutputSizes,
-    PROTOCOL_VERSION, SIMULATION_FAILED, SizesRequest, Support, UNSUPPORTED_FEATURE,
+    ErrorBody, ErrorReply, EvaluateRequest, Info, InputSizes, ModelInfo, OutputSizes, PROTOCOL_VERSION,
+    SIMULATION_FAILED, SizesRequest, Support, UNSUPPORTED_FEATURE,
 };
 use model::{Config, invalid};
 use serde::Serialize;
-use serde::de::DeserializeOwned;
+use serde::de::{DeserializeOwned, IgnoredAny};
 use std::net::{Ipv4Addr, SocketAddr};
 use std::sync::Arc;
 use thiserror::Error;
@@ -151,7 +151,7 @@ async fn info() -> Json<Info> {
 
 async fn model_info(State(state): State<Arc<ServerState>>, body: Bytes) -> Response {
     reply((|| {
-        let request: ModelInfoRequest = read(&body)?;
+        let request: SizesRequest<IgnoredAny> = read(&body)?;
         state.model.configured(&request.name, None)?;
         Ok(ModelInfo { support: Support { evaluate: true, ..Support::default() } })
     })())

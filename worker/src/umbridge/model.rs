@@ -99,7 +99,7 @@ impl Model {
         let evaluation =
             simulate(&scene, &request.accuracy.accuracy, SimulateOptions::default()).map_err(failed)?;
         match find_non_finite(&evaluation) {
-            Some(found) => Err(body(format!("{} is not finite", found.quantity))),
+            Some((quantity, _)) => Err(body(format!("{quantity} is not finite"))),
             None => Ok(Evaluated { output: evaluation.histories }),
         }
     }
