@@ -117,14 +117,14 @@ impl BeamStudy {
     /// works too, and is killed in the midst of evaluations when a fifth of them has ended.
     pub fn with_losses(&self, count: u64, seconds: f64) -> BeamReport {
         let mut coordinator = self.coordinator(None);
-        let endpoint = coordinator.endpoints()[0].clone();
+        let endpoint = coordinator.endpoints[0].clone();
         let start = |name: &str, more: &[&str]| Process::start(&mut self.worker(&endpoint, name, more));
         let own = ["--simulator", "beam.toml"];
         let _others =
             [start("plain", &[]), start("newer", &["--simulator", "newer.toml"]), start("first", &own)];
         let (_second, mut doomed) = (start("second", &own), start("doomed", &own));
         // Workers that get no tasks are listed without slots.
-        let here = coordinator.wait_for_workers(LONGEST, |all| {
+        let here = coordinator.connected.wait_for(LONGEST, |all| {
             all.len() == 5 && all.iter().filter(|worker| worker.slots == SLOTS).count() == 3
         });
         assert!(here, "{:?}", coordinator.workers());
@@ -145,13 +145,13 @@ impl BeamStudy {
     pub fn with_licences(&self, count: u64, seconds: f64) -> BeamReport {
         const LICENCES: u32 = 3;
         let mut coordinator = self.coordinator(Some(LICENCES));
-        let endpoint = coordinator.endpoints()[0].clone();
+        let endpoint = coordinator.endpoints[0].clone();
         let own = ["--simulator", "beam.toml"];
         let _workers =
             ["a", "b", "c", "d"].map(|name| Process::start(&mut self.worker(&endpoint, name, &own)));
-        let here = coordinator.wait_for_workers(LONGEST, |all| {
-            all.len() == 4 && all.iter().all(|worker| worker.slots == SLOTS)
-        });
+        let here = coordinator
+            .connected
+            .wait_for(LONGEST, |all| all.len() == 4 && all.iter().all(|worker| worker.slots == SLOTS));
         assert!(here, "{:?}", coordinator.workers());
         assert_eq!(coordinator.concurrency(), LICENCES);
         let report = self.evaluated(&mut coordinator, count, |_, _| {});

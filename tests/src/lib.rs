@@ -144,7 +144,7 @@ pub fn worker<F>(coordinator: &ZenohEvaluator, name: &str, slots: usize, simulat
 where
     F: Fn(&[f64]) -> Result<Evaluation, SimulationFailure> + Send + Sync + 'static,
 {
-    worker_at(&coordinator.endpoints()[0], name, slots, simulate)
+    worker_at(&coordinator.endpoints[0], name, slots, simulate)
 }
 
 /// Evaluates a batch and returns its outcomes; panics if an evaluation is recorded twice.

@@ -13,7 +13,8 @@ use toml::Table;
 /// A TOML file with its text, so that a fault has its place.
 #[derive(Debug, Clone)]
 pub struct InputFile {
-    document: Table,
+    /// Its tables as written.
+    pub document: Table,
     layer: Layer,
 }
 
@@ -39,11 +40,6 @@ impl InputFile {
     /// The file as it is called in faults.
     pub fn origin(&self) -> &str {
         &self.layer.file
-    }
-
-    /// Its tables as written.
-    pub fn document(&self) -> &Table {
-        &self.document
     }
 
     /// What `reader` makes of the whole file, unless it records a fault; a key that it does not ask for is one.

@@ -2,6 +2,7 @@
 //!
 //! Planar, SI units, angles counter-clockwise from +x. Bodies are referred to by index into [`Scene::bodies`].
 
+use super::choice::choice;
 use super::joint::Joint;
 use super::key_table::Value;
 use super::load::Load;
@@ -89,18 +90,13 @@ pub struct CycleProgram {
     pub journal: Option<String>,
 }
 
-/// What the cycles of a program depend on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub enum CycleTier {
+choice! {
+    /// What the cycles of a program depend on.
+    pub enum CycleTier;
     /// Joints with clearance, on the surfaces of the request.
-    Contact,
+    "contact" => Contact "gives cycles on the worn surfaces of its joints"
     /// Ideal joints, whose reactions depend on no surface: one cycle serves a whole life.
-    Reaction,
-}
-
-impl CycleTier {
-    /// The words of the tiers in a scene.
-    pub const WORDS: [(&'static str, Self); 2] = [("contact", Self::Contact), ("reaction", Self::Reaction)];
+    "reaction" => Reaction "gives one cycle for a life, with ideal joints"
 }
 
 /// Ways to call an external simulator.

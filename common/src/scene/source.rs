@@ -27,9 +27,11 @@ use toml::Table;
 pub struct SceneSource {
     origin: String,
     text: String,
-    document: Table,
+    /// The tables of this scene as written, merged with those of the scenes that it extends.
+    pub document: Table,
     nominal: Scene,
-    seen: BTreeMap<String, Quantity>,
+    /// The quantities that the scene writes, by the path of their key.
+    pub quantities: BTreeMap<String, Quantity>,
     /// Parameters that nothing in the scene depends on, sorted: usually a typing error. A parameter that a random
     /// variable changes is unused if nothing else reads it.
     pub unused_parameters: Vec<String>,
@@ -107,7 +109,7 @@ impl SceneSource {
             text,
             document,
             nominal: scene,
-            seen,
+            quantities: seen,
             unused_parameters,
             measured,
             layers,
@@ -136,11 +138,6 @@ impl SceneSource {
     /// TOML text of this scene that needs no other file: for a scene that extends another one, both merged.
     pub fn text(&self) -> &str {
         &self.text
-    }
-
-    /// The tables of this scene as written, merged with those of the scenes that it extends.
-    pub fn document(&self) -> &Table {
-        &self.document
     }
 
     /// FNV-1a hash of the text, 128 bit, equal on every machine and in every version.
@@ -196,15 +193,10 @@ impl SceneSource {
         found
     }
 
-    /// The quantities that the scene writes, by the path of their key.
-    pub fn quantities(&self) -> &BTreeMap<String, Quantity> {
-        &self.seen
-    }
-
     /// Value of the quantity at this key as the scene writes it [SI], whatever random variable changes it; `None` if there is no
     /// such quantity.
     pub fn quantity(&self, key: &str) -> Option<f64> {
-        self.seen.get(key).map(|quantity| quantity.value)
+        self.quantities.get(key).map(|quantity| quantity.value)
     }
 
     /// Place of a key in the texts of this scene and those it extends, or of the longest part of its path that they contain.
@@ -261,7 +253,7 @@ impl SceneSource {
     /// # Errors
     /// An unknown key, or values that give an invalid scene.
     pub fn variables_with(&self, keys: &[(String, f64)]) -> Result<Vec<RandomVariable>, Faults> {
-        if let Some((key, _)) = keys.iter().find(|(key, _)| !self.seen.contains_key(key)) {
+        if let Some((key, _)) = keys.iter().find(|(key, _)| !self.quantities.contains_key(key)) {
             return Err(Faults::one(&self.origin, "", self.unknown_setting(key)));
         }
         if keys.is_empty() {

@@ -79,7 +79,7 @@ fn the_text_needs_no_csv_file() {
 #[test]
 fn issue_values_of_a_csv_file_did_not_say_where_they_are_from() {
     let source = measured();
-    let document = source.document();
+    let document = &source.document;
     let row = |list: &str, name: &str| {
         let rows = document[list].as_array().unwrap();
         rows.iter().find(|row| row["name"].as_str() == Some(name)).unwrap().clone()

@@ -5,7 +5,7 @@ use super::signals::interruption;
 use super::{AccuracyArguments, CommandError, Done, FarmArguments, count, to_json};
 use common::external::SimulatorId;
 use common::scene::{
-    CycleTier, ExternalSimulator, Fails, FileExchange, LimitState, OutputKind, Program, Scene, SceneSource,
+    ExternalSimulator, Fails, FileExchange, LimitState, OutputKind, Program, Scene, SceneSource,
     SimulatorKind, UmBridgeModel,
 };
 use coordinator::farm::evaluate::external::on_slots;
@@ -100,10 +100,7 @@ pub fn explain(out: &mut String, scene: &Scene, simulator: &ExternalSimulator) -
             }
         }
         Some(program) => {
-            let of = match program.tier {
-                CycleTier::Contact => "gives cycles on the worn surfaces of its joints",
-                CycleTier::Reaction => "gives one cycle for a life, with ideal joints",
-            };
+            let of = program.tier.explanation();
             writeln!(out, "  {of}; a cycle may take {} s", simulator.timeout)?;
             let joints: Vec<&str> = scene.joints.iter().map(|joint| joint.name.as_str()).collect();
             let accuracy = &scene.accuracy.name;

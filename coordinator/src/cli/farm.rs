@@ -89,7 +89,7 @@ impl CommandEvaluator {
     pub fn status(&self) -> (StatusBoard, StatusSource) {
         match self {
             Self::Workers(farm) => {
-                (farm.evaluator.status_board(), StatusSource::Farm(farm.evaluator.status_handle()))
+                (farm.evaluator.board.clone(), StatusSource::Farm(farm.evaluator.status_handle()))
             }
             Self::Simulator(_, slots) => {
                 let board = StatusBoard::default();
@@ -112,7 +112,7 @@ impl CommandEvaluator {
     /// The jobs that the study asked for of a batch system, if it did.
     pub fn scale_row(&self) -> Option<ScaleRow> {
         let Self::Workers(farm) = self else { return None };
-        let ScaleStatus { system, most, asked, failed, .. } = farm.evaluator.status_board().scale()?;
+        let ScaleStatus { system, most, asked, failed, .. } = farm.evaluator.board.scale()?;
         Some(ScaleRow { system, most, asked, failed })
     }
 
@@ -198,7 +198,7 @@ impl WorkerFarm {
         let watched = |endpoint: &String| {
             watch(endpoint.clone(), arguments.config.clone(), Watch::default(), || end_process(SILENT))
         };
-        let _watched = evaluator.endpoints().first().map(watched).transpose()?;
+        let _watched = evaluator.endpoints.first().map(watched).transpose()?;
         let (local, scaling) = (None, None);
         Ok(Self { evaluator, arguments, simulator, is_external, local, campaign, scaling, _watched })
     }
@@ -209,7 +209,7 @@ impl WorkerFarm {
     /// [`CommandError::Worker`].
     pub fn start_workers(&mut self) -> Done {
         let slots = local_slots(&self.arguments);
-        let endpoint = self.evaluator.endpoints().first().cloned();
+        let endpoint = self.evaluator.endpoints.first().cloned();
         let spawn = |endpoint| {
             let zenoh_config = self.arguments.config.clone();
             // The learner and the dispatch run in this process too: simulations give way to them.
@@ -226,7 +226,7 @@ impl WorkerFarm {
                     "jobs on other machines cannot reach {endpoint}: --listen or --config sets another address"
                 );
             }
-            let (status, board) = (self.evaluator.status_handle(), self.evaluator.status_board());
+            let (status, board) = (self.evaluator.status_handle(), self.evaluator.board.clone());
             let scaling = Scaling::start(settings, (endpoint, self.campaign), status, board);
             self.scaling =
                 Some(scaling.map_err(|_| CommandError::Failed("workers cannot be asked for".to_owned()))?);
@@ -238,7 +238,7 @@ impl WorkerFarm {
     pub fn print_endpoints(&self) {
         if self.local.is_none() && self.scaling.is_none() {
             let more = if self.is_external { " --simulator FILE-OF-THIS-SCENE" } else { "" };
-            for endpoint in self.evaluator.endpoints() {
+            for endpoint in &self.evaluator.endpoints {
                 print_message(format_args!("waiting for workers: worker --connect {endpoint}{more}"));
             }
         }

@@ -86,7 +86,7 @@ fn a_worker_offers_a_model_to_a_coordinator_that_does_not_reach_its_server() {
         let campaign = CampaignSpec { simulator, ..campaign() };
         let mut coordinator = ZenohEvaluator::open(campaign, &Listen::default(), Arc::default()).unwrap();
         let own = OwnSimulators::open(std::slice::from_ref(&near)).unwrap();
-        let config = ServiceConfig::new(&coordinator.endpoints()[0], 2);
+        let config = ServiceConfig::new(&coordinator.endpoints[0], 2);
         let worker = service::spawn(config, Arc::new(own)).unwrap();
         let batch: Vec<Request> = (0..).zip(SAMPLES).map(|(id, sample)| request(id, &sample)).collect();
         assert_eq!(evaluate(&mut coordinator, &batch).unwrap(), outcomes(near.nominal(), &batch).unwrap());

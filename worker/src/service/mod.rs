@@ -29,7 +29,7 @@ mod worker_handle;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
-use common::wire::{Offers, Outcome, Subject, Task, TaskKey, WireError, WorkOrder};
+use common::wire::{Offers, Outcome, Task, WireError, WorkOrder};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -49,22 +49,6 @@ pub struct Job {
 }
 
 impl Job {
-    /// A job outside any campaign, without the first cycle; for tests of a simulator.
-    pub fn standalone(scene: &str, sample: &[f64], accuracy: Accuracy) -> Self {
-        let subject = Subject::Scene(scene.to_owned());
-        let order =
-            WorkOrder { subject, accuracy, accuracy_name: String::new(), licensed: false, tasks: vec![] };
-        let task = Task {
-            key: TaskKey { campaign: 0, task: 0 },
-            attempt: 1,
-            sample: sample.to_vec(),
-            with_first_cycle: false,
-            accuracy: None,
-            level: 0,
-        };
-        Self { order: Arc::new(order), task, coordinator: 0 }
-    }
-
     /// Values of the scene's random variables `(d,)`, SI.
     pub fn sample(&self) -> &[f64] {
         &self.task.sample

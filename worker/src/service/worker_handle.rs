@@ -39,16 +39,12 @@ impl Stopper {
 /// A running worker, on separate threads.
 #[derive(Debug)]
 pub struct WorkerHandle {
-    stopper: Stopper,
+    /// Stops the worker.
+    pub stopper: Stopper,
     claims: Vec<JoinHandle<Result<Departure, ServiceError>>>,
 }
 
 impl WorkerHandle {
-    /// A handle that stops the worker.
-    pub fn stopper(&self) -> Stopper {
-        self.stopper.clone()
-    }
-
     /// True if the worker has ended.
     pub fn has_ended(&self) -> bool {
         self.claims.iter().all(JoinHandle::is_finished)

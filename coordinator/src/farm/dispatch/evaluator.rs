@@ -73,9 +73,12 @@ pub struct CampaignSimulator {
 pub struct ZenohEvaluator {
     inputs: Sender<Input>,
     dispatch_thread: Option<JoinHandle<()>>,
-    connected: Arc<ConnectedWorkers>,
-    board: StatusBoard,
-    endpoints: Vec<String>,
+    /// The connected workers, shared with the dispatch loop.
+    pub connected: Arc<ConnectedWorkers>,
+    /// The board to which the study posts its progress.
+    pub board: StatusBoard,
+    /// Endpoints to which workers can connect, e.g. `tcp/127.0.0.1:37021`.
+    pub endpoints: Vec<String>,
     licences: Option<u32>,
     interrupted: Arc<AtomicBool>,
 }
@@ -143,38 +146,14 @@ impl ZenohEvaluator {
         Ok(Self { inputs, dispatch_thread, connected, board, endpoints, licences, interrupted })
     }
 
-    /// Endpoints to which workers can connect, e.g. `tcp/127.0.0.1:37021`.
-    pub fn endpoints(&self) -> &[String] {
-        &self.endpoints
-    }
-
-    /// The board to which the study posts its progress.
-    pub fn status_board(&self) -> StatusBoard {
-        self.board.clone()
-    }
-
     /// A handle for status queries from this process.
     pub fn status_handle(&self) -> StatusHandle {
         StatusHandle(self.inputs.clone())
     }
 
-    /// The connected workers, shared with the dispatch loop.
-    pub fn connected_workers(&self) -> Arc<ConnectedWorkers> {
-        Arc::clone(&self.connected)
-    }
-
     /// Workers connected now.
     pub fn workers(&self) -> Vec<ConnectedWorker> {
         self.connected.workers()
-    }
-
-    /// Waits until `enough` returns true for the connected workers; false after `timeout`.
-    pub fn wait_for_workers(
-        &self,
-        timeout: Duration,
-        enough: impl FnMut(&[ConnectedWorker]) -> bool,
-    ) -> bool {
-        self.connected.wait_for(timeout, enough)
     }
 
     /// Ends the campaign: notifies the workers, waits until they have left or none has left for 2 s, and stops listening. An
@@ -184,7 +163,7 @@ impl ZenohEvaluator {
             return;
         }
         let mut connected = self.workers().len();
-        while !self.wait_for_workers(FAREWELL, <[_]>::is_empty) {
+        while !self.connected.wait_for(FAREWELL, <[_]>::is_empty) {
             let left = self.workers().len();
             if left >= connected {
                 tracing::debug!("{left} workers are still connected");
