@@ -20,19 +20,13 @@ impl Stopper {
     /// Stops the worker: it takes no new tasks, lets running tasks continue for [`ServiceConfig::drain`], returns its
     /// finished outcomes and leaves. The coordinator gives unfinished tasks to other workers.
     pub fn stop(&self) {
-        self.send(|| ClaimEvent::Stop);
+        // The claim loops may have ended already.
+        self.0.iter().for_each(|inbox| _ = inbox.send(ClaimEvent::Stop));
     }
 
     /// Aborts the worker: it drops tasks and outcomes at once, as after a crash.
     pub fn abort(&self) {
-        self.send(|| ClaimEvent::Abort);
-    }
-
-    fn send(&self, event: impl Fn() -> ClaimEvent) {
-        for inbox in &self.0 {
-            // The claim loop may have ended already.
-            let _ = inbox.send(event());
-        }
+        self.0.iter().for_each(|inbox| _ = inbox.send(ClaimEvent::Abort));
     }
 }
 

@@ -166,7 +166,7 @@ impl Scheduler {
 
     /// Number that increases whenever [`Scheduler::workers`] changes.
     pub fn revision(&self) -> u64 {
-        self.workers.revision()
+        self.workers.revision
     }
 
     /// The workers and the queue now, without evaluations done and rates.

@@ -79,7 +79,7 @@ pub(super) struct Workforce {
     /// Running mean of the time from lease to outcome [s].
     turnaround: Option<f64>,
     /// Number that increases whenever a worker joins, leaves or changes its slots.
-    revision: u64,
+    pub revision: u64,
 }
 
 impl Workforce {
@@ -95,10 +95,6 @@ impl Workforce {
     /// Number of tasks that may be running.
     pub fn under_way(&self) -> usize {
         self.workers.values().map(Worker::under_way).sum()
-    }
-
-    pub fn revision(&self) -> u64 {
-        self.revision
     }
 
     pub fn get(&self, id: &WorkerId) -> Option<&Worker> {
