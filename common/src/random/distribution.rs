@@ -16,7 +16,6 @@ mod law;
 mod normal;
 #[cfg(test)]
 mod tests;
-mod triangular;
 mod truncated_normal;
 mod uniform;
 
@@ -59,7 +58,7 @@ pub enum Distribution {
     /// Beta between two bounds.
     Beta(beta::Beta),
     /// Density that rises linearly to the mode and falls linearly from it.
-    Triangular(triangular::Triangular),
+    Triangular(uniform::Triangular),
     /// One value with probability one: a variable held fixed.
     Constant(constant::Constant),
     /// Measured values, with straight lines between them.
@@ -124,7 +123,7 @@ impl Distribution {
 
     /// Triangular; lower <= mode <= upper.
     pub fn triangular(lower: f64, mode: f64, upper: f64) -> Result<Self, LawError> {
-        triangular::Triangular::new(lower, mode, upper).map(Self::Triangular)
+        uniform::Triangular::new(lower, mode, upper).map(Self::Triangular)
     }
 
     /// The finite `value` with probability one.
