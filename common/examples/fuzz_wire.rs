@@ -15,8 +15,8 @@ use common::failure::SimulationFailure;
 use common::outputs::{CycleHistory, Diagnostics, Evaluation, JointSummary};
 use common::wire::codec::HEADER;
 use common::wire::{
-    CandidatePoint, Claim, FarmStatus, Message, Next, Notice, Offers, Outcome, Reply, Status, Task, TaskKey,
-    WorkerId, WorkerStatus, decode, encode,
+    Claim, FarmStatus, Message, Next, Notice, Offers, Outcome, Reply, Status, Task, TaskKey, WorkerId,
+    WorkerStatus, decode, encode,
 };
 use rand::{Rng, RngExt};
 use rand_chacha::ChaCha12Rng;
@@ -73,7 +73,7 @@ fn sound_frames() -> Vec<Vec<u8>> {
     };
     let bare = Claim { holding: vec![], finished: vec![], ..claim.clone() };
     let reply = Reply { acknowledged: vec![task(1).key], next: Next::Idle { ask_again: 1000 } };
-    let points = (0..9).map(|task| CandidatePoint { task, sample: vec![1.0, 2.0] }).collect();
+    let points = (0..9).map(|task| (task, vec![1.0, 2.0])).collect();
     let notice = Notice::Batch { campaign: 7, points };
     let worker = WorkerStatus { name: "host-1".into(), slots: 2, under_way: 6, done: 80, rate: 1.25 };
     let farm = FarmStatus { queued: 3, under_way: 6, rate: 2.5, workers: vec![worker; 4] };

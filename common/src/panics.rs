@@ -44,13 +44,19 @@ pub fn end_process_on_panic(advice: &'static str) {
 pub fn end_process(cause: &str) -> ! {
     eprintln!("error: {cause}");
     // In another thread: this one may hold what the end of the programs needs.
-    let (done, ended) = channel();
-    std::thread::spawn(move || {
-        crate::external::kill_all();
-        let _ = done.send(());
-    });
-    let _ = ended.recv_timeout(LONGEST_END);
+    ends_within(LONGEST_END, "end", crate::external::kill_all);
     exit(1)
+}
+
+/// Does `work` in a thread of this name; false if it does not end within this time.
+pub fn ends_within(time: Duration, thread: &str, work: impl FnOnce() + Send + 'static) -> bool {
+    let (done, ended) = channel();
+    let work = move || {
+        work();
+        let _ = done.send(());
+    };
+    let begun = std::thread::Builder::new().name(thread.to_owned()).spawn(work);
+    begun.is_err() || ended.recv_timeout(time).is_ok()
 }
 
 fn message(panic: &(dyn Any + Send)) -> String {

@@ -32,13 +32,6 @@ pub struct Info {
     pub models: Vec<String>,
 }
 
-/// Request of `/ModelInfo`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct ModelInfoRequest {
-    /// Name of the model.
-    pub name: String,
-}
-
 /// Reply to `/ModelInfo`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ModelInfo {
@@ -60,7 +53,7 @@ pub struct Support {
     pub apply_hessian: bool,
 }
 
-/// Request of `/InputSizes` or `/OutputSizes`.
+/// Request of `/ModelInfo`, whose configuration plays no part, `/InputSizes` or `/OutputSizes`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SizesRequest<C> {
     /// Name of the model.

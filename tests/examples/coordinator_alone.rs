@@ -4,7 +4,7 @@
 
 use common::build::Build;
 use common::wire::{self, Claim, Next, Offers, Outcome, Reply, Subject, Task, TaskKey, WorkOrder, WorkerId};
-use coordinator::farm::dispatch::scheduler::{Action, Assignment, Event, Scheduler, SchedulerSettings};
+use coordinator::farm::dispatch::scheduler::{Action, Event, Scheduler, SchedulerSettings};
 use coordinator::farm::evaluate::{Finished, Request, RequestSource};
 use std::error::Error;
 use std::path::Path;
@@ -129,13 +129,13 @@ fn messages(workers: usize, together: u32) -> Result<Duration, Box<dyn Error>> {
 
 fn encoded(
     acknowledged: Vec<TaskKey>,
-    assignment: Assignment,
+    tasks: Option<Vec<Task>>,
     order: &WorkOrder,
 ) -> Result<Vec<u8>, wire::WireError> {
-    let next = match assignment {
-        Assignment::Work(tasks) => Next::Work(WorkOrder { tasks, ..order.clone() }),
-        Assignment::Idle => Next::Idle { ask_again: 1000 },
-        Assignment::Leave => Next::Leave { campaign: campaign().id },
+    let next = match tasks {
+        None => Next::Leave { campaign: campaign().id },
+        Some(tasks) if tasks.is_empty() => Next::Idle { ask_again: 1000 },
+        Some(tasks) => Next::Work(WorkOrder { tasks, ..order.clone() }),
     };
     wire::encode(&Reply { acknowledged, next })
 }

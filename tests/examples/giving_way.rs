@@ -25,7 +25,7 @@ fn compute_with_simulations(give_way: bool) -> (Duration, usize) {
     let stopped = Arc::default();
     let mut coordinator = coordinator_at(None, Arc::clone(&stopped));
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let config = ServiceConfig { give_way, ..ServiceConfig::new(&coordinator.endpoints()[0], cores) };
+    let config = ServiceConfig { give_way, ..ServiceConfig::new(&coordinator.endpoints[0], cores) };
     let simulate = |sample: &[f64]| {
         let started = Instant::now();
         while started.elapsed() < Duration::from_millis(20) {
@@ -35,7 +35,7 @@ fn compute_with_simulations(give_way: bool) -> (Duration, usize) {
     };
     let worker =
         service::spawn(config, Arc::new(ClosureSimulator(simulate))).expect("a loopback endpoint opens");
-    assert!(coordinator.wait_for_workers(PATIENCE, |here| here.iter().any(|worker| worker.slots > 0)));
+    assert!(coordinator.connected.wait_for(PATIENCE, |here| here.iter().any(|worker| worker.slots > 0)));
     let (mut ended, mut took) = (0, Duration::ZERO);
     std::thread::scope(|scope| {
         let computation = scope.spawn(|| {
@@ -50,7 +50,7 @@ fn compute_with_simulations(give_way: bool) -> (Duration, usize) {
         });
         took = computation.join().expect("the computation does not panic");
     });
-    worker.stopper().abort();
+    worker.stopper.abort();
     (took, ended)
 }
 

@@ -129,7 +129,7 @@ fn coordinate(
     let have_claimed = |workers: &[coordinator::farm::dispatch::ConnectedWorker]| {
         workers.iter().filter(|worker| worker.slots > 0).count() == sessions
     };
-    while !evaluator.wait_for_workers(REPORT_EVERY, have_claimed) {
+    while !evaluator.connected.wait_for(REPORT_EVERY, have_claimed) {
         let workers = evaluator.workers();
         let claimed = workers.iter().filter(|worker| worker.slots > 0).count();
         eprintln!(

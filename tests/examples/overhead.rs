@@ -26,10 +26,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for slots in [1, 2, 4] {
         let mut coordinator = coordinator();
         let mut worker = std::process::Command::new(std::env::current_exe()?)
-            .args(["worker", &coordinator.endpoints()[0], &slots.to_string()])
+            .args(["worker", &coordinator.endpoints[0], &slots.to_string()])
             .spawn()?;
         let connected =
-            coordinator.wait_for_workers(tests::PATIENCE, |workers| workers.iter().any(|w| w.slots > 0));
+            coordinator.connected.wait_for(tests::PATIENCE, |workers| workers.iter().any(|w| w.slots > 0));
         if !connected {
             return Err("the worker did not connect".into());
         }

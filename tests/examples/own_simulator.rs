@@ -32,7 +32,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         resumed: false,
     };
     let mut evaluator = ZenohEvaluator::open(campaign, &Listen::default(), Arc::default())?;
-    let endpoint = evaluator.endpoints()[0].clone();
+    let endpoint = evaluator.endpoints[0].clone();
     let config = |name: &str| ServiceConfig { name: name.into(), ..ServiceConfig::new(&endpoint, 1) };
     let workers = [config("first"), config("second")].map(|config| spawn(config, Arc::new(SumOfSquares)));
     let request = |id| Request {

@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let ready = |here: &[coordinator::farm::dispatch::ConnectedWorker]| {
             here.iter().filter(|worker| worker.slots > 0).count() == workers
         };
-        assert!(coordinator.wait_for_workers(PATIENCE, ready), "the workers connect");
+        assert!(coordinator.connected.wait_for(PATIENCE, ready), "the workers connect");
         let tasks = EACH * workers;
         let mut journaled = Journaled::new(tasks as u64, &folder);
         let started = Instant::now();

@@ -1,13 +1,13 @@
 //! Studies of the program `beam` on worker processes that have it themselves, with losses and with licences.
 
 use crate::process::Process;
-use crate::{Outcomes, program};
+use crate::{Outcomes, open_simulator, program};
 use common::accuracy::Accuracy;
 use common::evaluation_shape::EvaluationShape;
 use common::external::SimulatorId;
 use common::scene::SceneSource;
 use coordinator::farm::dispatch::{CampaignSimulator, CampaignSpec, Listen, ZenohEvaluator};
-use coordinator::farm::evaluate::{EvaluateError, Evaluator, Finished, Request, external};
+use coordinator::farm::evaluate::{EvaluateError, Evaluator, Finished, Request};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -103,9 +103,8 @@ impl BeamStudy {
     pub fn expected(&self, batch: &[Request]) -> Result<Outcomes, EvaluateError> {
         let folder = tempfile::tempdir().expect("there is room for a folder");
         let quick = Self::new(folder.path(), 0.0);
-        let scene = quick.source.nominal();
-        let simulator = scene.simulator.as_ref().expect("the scene names its simulator");
-        let mut local = external::open(simulator, scene, 1, Arc::default())?;
+        let local = open_simulator(quick.source.nominal(), 1);
+        let mut local = local.map_err(|error| EvaluateError::Slot(error.into()))?;
         let mut outcomes = Outcomes::new();
         local.evaluate(batch, &mut |Finished { id, outcome, .. }| {
             outcomes.insert(id, outcome);
@@ -118,14 +117,14 @@ impl BeamStudy {
     /// works too, and is killed in the midst of evaluations when a fifth of them has ended.
     pub fn with_losses(&self, count: u64, seconds: f64) -> BeamReport {
         let mut coordinator = self.coordinator(None);
-        let endpoint = coordinator.endpoints()[0].clone();
+        let endpoint = coordinator.endpoints[0].clone();
         let start = |name: &str, more: &[&str]| Process::start(&mut self.worker(&endpoint, name, more));
         let own = ["--simulator", "beam.toml"];
         let _others =
             [start("plain", &[]), start("newer", &["--simulator", "newer.toml"]), start("first", &own)];
         let (_second, mut doomed) = (start("second", &own), start("doomed", &own));
         // Workers that get no tasks are listed without slots.
-        let here = coordinator.wait_for_workers(LONGEST, |all| {
+        let here = coordinator.connected.wait_for(LONGEST, |all| {
             all.len() == 5 && all.iter().filter(|worker| worker.slots == SLOTS).count() == 3
         });
         assert!(here, "{:?}", coordinator.workers());
@@ -146,13 +145,13 @@ impl BeamStudy {
     pub fn with_licences(&self, count: u64, seconds: f64) -> BeamReport {
         const LICENCES: u32 = 3;
         let mut coordinator = self.coordinator(Some(LICENCES));
-        let endpoint = coordinator.endpoints()[0].clone();
+        let endpoint = coordinator.endpoints[0].clone();
         let own = ["--simulator", "beam.toml"];
         let _workers =
             ["a", "b", "c", "d"].map(|name| Process::start(&mut self.worker(&endpoint, name, &own)));
-        let here = coordinator.wait_for_workers(LONGEST, |all| {
-            all.len() == 4 && all.iter().all(|worker| worker.slots == SLOTS)
-        });
+        let here = coordinator
+            .connected
+            .wait_for(LONGEST, |all| all.len() == 4 && all.iter().all(|worker| worker.slots == SLOTS));
         assert!(here, "{:?}", coordinator.workers());
         assert_eq!(coordinator.concurrency(), LICENCES);
         let report = self.evaluated(&mut coordinator, count, |_, _| {});

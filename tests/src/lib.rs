@@ -13,9 +13,12 @@ pub mod router;
 pub mod simulated_farm;
 
 use common::accuracy::{Accuracy, Tier};
+use common::external::{OpenedSimulator, SimulatorError};
 use common::failure::SimulationFailure;
 use common::outputs::{Diagnostics, Evaluation};
+use common::scene::Scene;
 use coordinator::farm::dispatch::{CampaignSpec, Listen, ZenohEvaluator};
+use coordinator::farm::evaluate::external::on_slots;
 use coordinator::farm::evaluate::{EvaluateError, Evaluator, Finished, Request};
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -32,6 +35,16 @@ pub const PATIENCE: Duration = Duration::from_secs(30);
 
 /// Outcomes by number of the evaluation.
 pub type Outcomes = BTreeMap<u64, Result<Evaluation, SimulationFailure>>;
+
+/// Opens the simulator of a scene, which gives whole lives, on `slots` slots of this process.
+///
+/// # Errors
+/// [`SimulatorError`].
+pub fn open_simulator(scene: &Scene, slots: usize) -> Result<Box<dyn Evaluator>, SimulatorError> {
+    let simulator = scene.simulator.as_ref().expect("the scene names its simulator");
+    let opened = OpenedSimulator::open(simulator, scene)?;
+    on_slots((0..slots).map(|number| opened.slot(number)).collect(), Arc::default())
+}
 
 /// A simulator from a closure on the sample.
 pub struct ClosureSimulator<F>(pub F);
@@ -131,7 +144,7 @@ pub fn worker<F>(coordinator: &ZenohEvaluator, name: &str, slots: usize, simulat
 where
     F: Fn(&[f64]) -> Result<Evaluation, SimulationFailure> + Send + Sync + 'static,
 {
-    worker_at(&coordinator.endpoints()[0], name, slots, simulate)
+    worker_at(&coordinator.endpoints[0], name, slots, simulate)
 }
 
 /// Evaluates a batch and returns its outcomes; panics if an evaluation is recorded twice.

@@ -5,9 +5,7 @@ use common::accuracy::Accuracy;
 use common::build::Build;
 use common::failure::SimulationFailure;
 use common::wire::{Claim, Offers, Outcome, Task, TaskKey, WorkerId};
-use coordinator::farm::dispatch::scheduler::{
-    Action, Assignment, Event, Scheduler, SchedulerSettings, Token,
-};
+use coordinator::farm::dispatch::scheduler::{Action, Event, Scheduler, SchedulerSettings, Token};
 use coordinator::farm::evaluate::Request;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
@@ -72,7 +70,7 @@ enum Happening {
     Joins(usize),
     Claim(usize, u64),
     Handled(usize, u64),
-    Reply(usize, u64, Vec<TaskKey>, Assignment),
+    Reply(usize, u64, Vec<TaskKey>, Option<Vec<Task>>),
     TaskEnds(usize, u64, u64),
     Announcement,
     Notice(usize),
@@ -320,7 +318,7 @@ impl World {
         self.soon(Happening::Claim(k, sequence));
     }
 
-    fn replied(&mut self, k: usize, sequence: u64, acknowledged: &[TaskKey], assignment: Assignment) {
+    fn replied(&mut self, k: usize, sequence: u64, acknowledged: &[TaskKey], tasks: Option<Vec<Task>>) {
         let now = self.now;
         let hand = &mut self.hands[k];
         if hand.sequence != sequence {
@@ -328,7 +326,7 @@ impl World {
         }
         hand.asks = false;
         hand.finished.retain(|outcome| !acknowledged.contains(&outcome.task.key));
-        let Assignment::Work(mut tasks) = assignment else {
+        let Some(mut tasks) = tasks.filter(|tasks| !tasks.is_empty()) else {
             self.first_idle.get_or_insert(now);
             let again = now + CLAIM_AGAIN_AFTER.mul_f64(1.0 - 0.25 * chance(sequence));
             self.at(again, Happening::ClaimAgain(k, sequence));

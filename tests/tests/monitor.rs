@@ -21,13 +21,13 @@ use zenoh::{Config, Session, Wait};
 fn a_status_counts_waiting_and_running_evaluations_and_workers() {
     in_time(|| {
         let mut coordinator = coordinator();
-        let endpoint = coordinator.endpoints()[0].clone();
+        let endpoint = coordinator.endpoints[0].clone();
         let session = ClientSession::open(&endpoint, None).unwrap();
         let before = session.status(PATIENCE).unwrap();
         assert_eq!((before.phase, before.farm.workers.len()), (Phase::Learning, 0));
         assert!(before.clock_ms.abs_diff(clock_ms()) < 10_000);
 
-        coordinator.status_board().post(|study| study.scene = "practice".into());
+        coordinator.board.post(|study| study.scene = "practice".into());
         let hold = Arc::new(Barrier::default());
         let held = Arc::clone(&hold);
         let (begun, begins) = std::sync::mpsc::channel();
@@ -136,7 +136,7 @@ fn finds(arguments: &[&str], code: i32, failed: &[(&str, &str)]) {
 fn the_doctor_finds_faults() {
     in_time(|| {
         let healthy = coordinator();
-        finds(&[&healthy.endpoints()[0]], 0, &[]);
+        finds(&[&healthy.endpoints[0]], 0, &[]);
         assert_eq!(command(&["doctor", "nowhere"]).0, Some(2));
         assert_eq!(command(&["doctor", "tcp/127.0.0.1:1", "--config", "/none.json5"]).0, Some(1));
         finds(&["tcp/no-such-host.invalid:7447"], 1, &[("name", "does not know the host")]);

@@ -24,7 +24,7 @@ fn every_task_of_a_measurement_has_its_own_accuracy() {
     let (found, end, seen) = in_time(|| {
         let mut farm = coordinator();
         let workers = ["a", "b"].map(|name| {
-            let config = ServiceConfig { name: name.into(), ..ServiceConfig::new(&farm.endpoints()[0], 2) };
+            let config = ServiceConfig { name: name.into(), ..ServiceConfig::new(&farm.endpoints[0], 2) };
             service::spawn(config, Arc::new(Echo)).expect("a session to a loopback endpoint opens")
         });
         let points = requests(0..3).into_iter().map(|request| request.sample).collect();

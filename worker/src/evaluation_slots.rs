@@ -7,7 +7,7 @@ use common::external::{
     StopSignal,
 };
 use common::failure::SimulationFailure;
-use common::scene::{CycleTier, Gives, SceneSource};
+use common::scene::{CycleTier, SceneSource};
 use std::sync::Arc;
 
 /// The simulator of a scene, ready to give slots.
@@ -25,10 +25,7 @@ impl EvaluationSlots {
     /// [`SimulatorError`] as of [`OpenedSimulator::open`].
     pub fn open(source: &SceneSource) -> Option<Result<Self, SimulatorError>> {
         let simulator = source.nominal().simulator.as_ref()?;
-        let lives = match &simulator.gives {
-            Gives::Life => None,
-            Gives::Cycle(program) => Some((Arc::new(source.clone()), program.tier)),
-        };
+        let lives = simulator.cycles.as_ref().map(|program| (Arc::new(source.clone()), program.tier));
         let opened = OpenedSimulator::open(simulator, source.nominal());
         Some(opened.map(|opened| EvaluationSlots { opened, lives }))
     }

@@ -271,7 +271,7 @@ fn work(arguments: Arguments) -> Result<ExitCode, CommandError> {
     tracing::info!("{slots} slots for the coordinator at {}", config.connect.join(", "));
     let signals = Signals::catch().map_err(CommandError::Signals)?;
     let worker = service::spawn(config, simulator)?;
-    let stopper = worker.stopper();
+    let stopper = worker.stopper.clone();
     let stop = move || {
         tracing::info!("stopping: returning finished outcomes");
         stopper.stop();

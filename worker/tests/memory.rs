@@ -2,12 +2,13 @@
 #![cfg(target_os = "linux")]
 
 mod peak;
+mod standalone;
 
 use common::accuracy::Accuracy;
 use common::scene::SceneSource;
 use peak::peak_resident;
+use standalone::standalone;
 use std::sync::Barrier;
-use worker::service::Job;
 use worker::simulator::simulator;
 
 /// The flapping-wing drive at its most exact, with the first cycle, for a short life: what is held of a life does not grow with
@@ -31,7 +32,7 @@ fn one_more_evaluation_takes_less_than_20_mb() {
             for _ in 0..slots {
                 scope.spawn(|| {
                     start.wait();
-                    let mut job = Job::standalone(&cut, &means, Accuracy::reference());
+                    let mut job = standalone(&cut, &means, Accuracy::reference());
                     job.task.with_first_cycle = true;
                     let found = simulator.simulate(&job);
                     assert!(found.is_ok_and(|evaluation| evaluation.first_cycle.is_some()));

@@ -9,13 +9,13 @@
 
 use super::cycle_reply::{CycleReply, ExpectedCycle};
 use super::cycle_request::{CycleLine, CycleRequest};
-use super::program::{ProgramSlot, Request, SampleByName};
+use super::program::{ProgramSlot, SampleByName};
 use super::reply::{Expected, outcome};
 use super::slot::{SimulatorError, Slot, SlotError, SlotRequest, StopSignal};
 use super::umbridge::ModelSlot;
 use crate::failure::SimulationFailure;
+use crate::scene::Scene;
 use crate::scene::source::digest;
-use crate::scene::{Gives, Scene};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions, create_dir_all, read_to_string, remove_file};
@@ -78,10 +78,8 @@ impl CycleSlot {
         life: &str,
         stop: &'a StopSignal,
     ) -> Result<CyclesOfLife<'a>, SlotError> {
-        let folder = match scene.simulator.as_ref().map(|simulator| &simulator.gives) {
-            Some(Gives::Cycle(program)) => program.journal.as_deref(),
-            _ => None,
-        };
+        let program = scene.simulator.as_ref().and_then(|simulator| simulator.cycles.as_ref());
+        let folder = program.and_then(|program| program.journal.as_deref());
         let open =
             |folder: &str| CycleJournal::open(Path::new(folder), life).map_err(|e| no_journal(folder, &e));
         let journal = folder.map(open).transpose()?;
@@ -127,14 +125,14 @@ impl CyclesOfLife<'_> {
         let of_object =
             |reply: &Map<String, Value>| expected.of_object(reply, cycle).map_err(|none| none.of(&place));
         let asked = match slot {
-            CycleSlot::Program(slot) => slot.ask(
-                Request { asked: SlotRequest { id: *id, level: 0, sample: values }, text: &with_id },
-                stop,
-                |setup, text| match setup.line_reply(*id, text)? {
-                    Some(reply) => of_object(&reply),
-                    None => read(text),
-                },
-            ),
+            CycleSlot::Program(slot) => {
+                slot.ask(SlotRequest { id: *id, level: 0, sample: values }, &with_id, stop, |setup, text| {
+                    match setup.line_reply(*id, text)? {
+                        Some(reply) => of_object(&reply),
+                        None => read(text),
+                    }
+                })
+            }
             CycleSlot::Model(slot) => slot.ask_cycle((*id, &line), &expected, stop, of_object),
         };
         let (cycle, reply) = match asked? {

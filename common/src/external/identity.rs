@@ -2,7 +2,7 @@
 
 use super::reply::Expected;
 use crate::scene::source::digest;
-use crate::scene::{Condition, CycleProgram, ExternalSimulator, Gives, Scene};
+use crate::scene::{Condition, CycleProgram, ExternalSimulator, Scene};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -27,7 +27,7 @@ impl SimulatorId {
             scene.outputs.iter().map(|output| output.kind.unit().symbol().to_owned()).collect();
         let parts = (&simulator.version, (inputs, input_units), (outputs, output_units), cycles);
         let mut text = json(&parts);
-        if let Gives::Cycle(CycleProgram { tier, .. }) = &simulator.gives {
+        if let Some(CycleProgram { tier, .. }) = &simulator.cycles {
             let changes: Vec<&[String]> = scene.variables.iter().map(|variable| &*variable.changes).collect();
             let wear = (tier, &scene.joints, &scene.wear, &scene.life, &scene.accuracy, changes);
             text += &json(&wear);

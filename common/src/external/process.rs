@@ -3,7 +3,7 @@
 //! end with it. The group also ends when this process is killed.
 
 use super::guard::{Guard, guarded};
-use super::slot::{StopSignal, WaitError};
+use super::slot::StopSignal;
 use crate::locks::locked;
 use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, waitid};
 use std::collections::{BTreeSet, VecDeque};
@@ -11,7 +11,7 @@ use std::io::{BufRead, BufReader, Read, Write};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::Path;
 use std::process::{Child, ExitStatus, Stdio};
-use std::sync::mpsc::{Receiver, Sender, channel, sync_channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel, sync_channel};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
@@ -151,15 +151,16 @@ impl Process {
         loop {
             let left = timeout.saturating_sub(started.elapsed());
             match stop.wait(&self.lines, left.min(EXIT_LOOK)) {
-                Ok(reply) => return Ok(reply),
-                Err(WaitError::Stopped) => return Err(LineError::Stopped),
-                Err(WaitError::Disconnected) => return Err(self.ended()),
-                Err(WaitError::TimedOut) if self.has_exited() => {
+                None => return Err(LineError::Stopped),
+                Some(Ok(reply)) => return Ok(reply),
+                Some(Err(RecvTimeoutError::Disconnected)) => return Err(self.ended()),
+                Some(Err(RecvTimeoutError::Timeout)) if self.has_exited() => {
                     // A line may still be in the pipe.
-                    return stop.wait(&self.lines, FAREWELL).map_err(|_| self.ended());
+                    let last = stop.wait(&self.lines, FAREWELL).and_then(Result::ok);
+                    return last.ok_or_else(|| self.ended());
                 }
-                Err(WaitError::TimedOut) if left <= EXIT_LOOK => return Err(LineError::TimedOut),
-                Err(WaitError::TimedOut) => {}
+                Some(Err(RecvTimeoutError::Timeout)) if left <= EXIT_LOOK => return Err(LineError::TimedOut),
+                Some(Err(RecvTimeoutError::Timeout)) => {}
             }
         }
     }
@@ -186,10 +187,10 @@ impl Process {
                 continue;
             }
             match stop.wait(&self.lines, left.min(EXIT_LOOK)) {
-                Ok(line) => keep(&self.stderr, &line),
+                Some(Ok(line)) => keep(&self.stderr, &line),
                 // It usually exits right after.
-                Err(WaitError::Disconnected) => open = false,
-                Err(WaitError::Stopped | WaitError::TimedOut) => {}
+                Some(Err(RecvTimeoutError::Disconnected)) => open = false,
+                None | Some(Err(RecvTimeoutError::Timeout)) => {}
             }
         }
         let status = self.end();

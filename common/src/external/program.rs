@@ -14,7 +14,7 @@ use super::slot::{SampleResult, SimulatorError, Slot, SlotError, SlotRequest, St
 use super::working_folder::{self, check_file};
 use crate::failure::{SimulationFailure, last_words};
 use crate::outputs::Evaluation;
-use crate::scene::{Exchange, Program, Scene};
+use crate::scene::{Program, Scene};
 use serde::{Serialize, Serializer};
 use serde_json::{Map, Value};
 use std::path::Path;
@@ -92,9 +92,9 @@ impl Setup {
 
     /// The reply to evaluation `id` of a program that answers in lines; a results file has no number.
     pub(super) fn line_reply(&self, id: u64, text: &str) -> Result<Option<Map<String, Value>>, String> {
-        match self.program.exchange {
-            Exchange::Lines => self.object(id, text).map(Some),
-            Exchange::Files(_) => Ok(None),
+        match &self.program.exchange {
+            None => self.object(id, text).map(Some),
+            Some(_) => Ok(None),
         }
     }
 
@@ -106,19 +106,10 @@ impl Setup {
     /// Result of a reply line, or of the text of a results file.
     fn outcome(&self, id: u64, text: &str) -> Result<Evaluation, NoResult> {
         match &self.program.exchange {
-            Exchange::Lines => of_object(&self.expected, &self.object(id, text)?),
-            Exchange::Files(files) => {
-                results_file::read(&self.expected, text).map_err(|none| none.of(&files.results))
-            }
+            None => of_object(&self.expected, &self.object(id, text)?),
+            Some(files) => results_file::read(&self.expected, text).map_err(|none| none.of(&files.results)),
         }
     }
-}
-
-/// One request: the evaluation, and the text for a sample.
-#[derive(Clone, Copy)]
-pub(super) struct Request<'a> {
-    pub(super) asked: SlotRequest<'a>,
-    pub(super) text: &'a dyn Fn(&[f64]) -> String,
 }
 
 /// Values of the inputs by name, in the order of the scene, which a map would not keep.
@@ -143,8 +134,8 @@ pub fn check_program_file(program: &Program, scene: &Scene) -> Result<(), Simula
     let folder = Path::new(&program.folder);
     let found = check_executable(&program.command, folder);
     let files = || match &program.exchange {
-        Exchange::Files(files) => working_folder::check(program, files, &Expected::from_scene(scene).inputs),
-        Exchange::Lines => program.fmu.as_ref().map_or(Ok(()), |fmu| check_file(folder, fmu)),
+        Some(files) => working_folder::check(program, files, &Expected::from_scene(scene).inputs),
+        None => program.fmu.as_ref().map_or(Ok(()), |fmu| check_file(folder, fmu)),
     };
     found.and_then(|()| files()).map_err(|reason| start_error(program, reason))
 }
@@ -186,17 +177,17 @@ impl ProgramSlot {
         Ok(())
     }
 
-    /// The reply line to a request for a `sample`, or the text of the results file of a program that runs once.
+    /// The reply line to a request, of which `text` gives the line for its sample, or the text of the results file of a program that runs once.
     fn attempt(
         &mut self,
-        request: Request,
-        sample: &[f64],
+        SlotRequest { level, sample, .. }: SlotRequest,
+        text: &dyn Fn(&[f64]) -> String,
         stop: &StopSignal,
     ) -> Result<Result<String, LineError>, SlotError> {
-        let line = (request.text)(sample) + "\n";
+        let line = text(sample) + "\n";
         let Setup { program, expected, timeout, .. } = &*self.setup;
-        if let Exchange::Files(files) = &program.exchange {
-            let (inputs, level) = ((&expected.inputs[..], sample), self.setup.level(request.asked.level));
+        if let Some(files) = &program.exchange {
+            let (inputs, level) = ((&expected.inputs[..], sample), self.setup.level(level));
             let run = working_folder::run((program, files), inputs, (level, &line), *timeout, stop);
             return run.map_err(|reason| start_error(program, reason).into());
         }
@@ -221,12 +212,17 @@ impl ProgramSlot {
     ///
     /// # Errors
     /// [`SimulatorError`].
-    fn check_program(&mut self, request: Request, stop: &StopSignal) -> Result<(), SlotError> {
+    fn check_program(
+        &mut self,
+        asked: SlotRequest,
+        text: &dyn Fn(&[f64]) -> String,
+        stop: &StopSignal,
+    ) -> Result<(), SlotError> {
         if self.setup.answered.load(Ordering::Relaxed) {
             return Ok(());
         }
         let nominal = self.setup.nominal.clone();
-        match self.attempt(request, &nominal, stop)? {
+        match self.attempt(SlotRequest { sample: &nominal, ..asked }, text, stop)? {
             Err(LineError::Ended { status, stderr }) => {
                 let (key, name) = key_and_name(&self.setup.program);
                 let said = last_words(&stderr);
@@ -240,53 +236,53 @@ impl ProgramSlot {
         Ok(())
     }
 
-    /// The text of the reply to a request, read by `read`; a process whose line breaks the protocol is killed.
+    /// What `read` reads from the reply to a request, and the text of that reply; `text` gives the line for a sample; a process whose line breaks the protocol is killed.
     ///
     /// # Errors
     /// As [`Slot::evaluate`].
     pub(super) fn ask<T>(
         &mut self,
-        request: Request,
+        asked: SlotRequest,
+        text: &dyn Fn(&[f64]) -> String,
         stop: &StopSignal,
         read: impl Fn(&Setup, &str) -> Result<T, NoResult>,
     ) -> Result<Result<(T, String), SimulationFailure>, SlotError> {
         let mut crash = None;
         for _ in 0..ATTEMPTS {
-            match self.attempt(request, request.asked.sample, stop)? {
-                Ok(text) => {
-                    let broken = |fault| self.setup.broken(request.asked.id, fault);
-                    let read = outcome(read(&self.setup, &text), broken);
+            match self.attempt(asked, text, stop)? {
+                Ok(reply) => {
+                    let broken = |fault| self.setup.broken(asked.id, fault);
+                    let read = outcome(read(&self.setup, &reply), broken);
                     match &read {
                         Ok(_) => self.setup.answered.store(true, Ordering::Relaxed),
                         Err(_) => self.kill(),
                     }
-                    return read.map(|outcome| outcome.map(|found| (found, text)));
+                    return read.map(|outcome| outcome.map(|found| (found, reply)));
                 }
                 Err(LineError::TimedOut) => {
                     return Ok(Err(SimulationFailure::TimedOut { seconds: self.setup.seconds }));
                 }
                 Err(LineError::Stopped) => return Err(SlotError::Stopped),
                 Err(LineError::Ended { status, stderr }) => {
-                    tracing::debug!("the simulator ended with {status} at evaluation {}", request.asked.id);
+                    tracing::debug!("the simulator ended with {status} at evaluation {}", asked.id);
                     crash = Some(SimulationFailure::Crashed { status, stderr });
                 }
             }
         }
-        self.check_program(request, stop)?;
+        self.check_program(asked, text, stop)?;
         Ok(Err(crash.expect("every attempt ended in a crash")))
     }
 }
 
 impl Slot for ProgramSlot {
     fn start(&mut self) -> Result<(), SimulatorError> {
-        if self.setup.program.exchange == Exchange::Lines { self.start_process(None) } else { Ok(()) }
+        if self.setup.program.exchange.is_none() { self.start_process(None) } else { Ok(()) }
     }
 
     fn evaluate(&mut self, asked: SlotRequest<'_>, stop: &StopSignal) -> Result<SampleResult, SlotError> {
         let setup = Arc::clone(&self.setup);
         let text = |sample: &[f64]| setup.line(asked.id, asked.level, sample);
-        let outcome =
-            self.ask(Request { asked, text: &text }, stop, |setup, text| setup.outcome(asked.id, text));
+        let outcome = self.ask(asked, &text, stop, |setup, text| setup.outcome(asked.id, text));
         Ok(outcome?.map(|(evaluation, _)| evaluation))
     }
 
@@ -309,8 +305,7 @@ mod tests {
 
     #[test]
     fn sample_keys_keep_the_order_of_the_scene() {
-        let program =
-            Program { command: vec!["sh".into()], folder: ".".into(), exchange: Exchange::Lines, fmu: None };
+        let program = Program { command: vec!["sh".into()], folder: ".".into(), exchange: None, fmu: None };
         let setup = Setup::new(&program, 1.0, scene().nominal());
         assert_eq!(
             setup.line(3, 0, &[0.5, 2.0]),
@@ -323,10 +318,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let check = |command: &str| {
             let (command, folder) = (vec![command.to_owned()], folder.path().display().to_string());
-            check_program_file(
-                &Program { command, folder, exchange: Exchange::Lines, fmu: None },
-                scene().nominal(),
-            )
+            check_program_file(&Program { command, folder, exchange: None, fmu: None }, scene().nominal())
         };
         assert!(check("sh").is_ok());
         std::fs::write(folder.path().join("model"), "").unwrap();

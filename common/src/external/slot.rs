@@ -41,36 +41,22 @@ impl StopSignal {
         self.flags.iter().any(|flag| flag.load(Ordering::Relaxed))
     }
 
-    /// Waits for a message for at most `timeout` and polls the stop signal.
-    ///
-    /// # Errors
-    /// `WaitError`.
-    pub fn wait<T>(&self, messages: &Receiver<T>, timeout: Duration) -> Result<T, WaitError> {
+    /// Waits for a message for at most `timeout`; `None` once the signal is set.
+    pub(super) fn wait<T>(
+        &self,
+        messages: &Receiver<T>,
+        timeout: Duration,
+    ) -> Option<Result<T, RecvTimeoutError>> {
         let started = Instant::now();
         loop {
             let left = timeout.saturating_sub(started.elapsed());
             match messages.recv_timeout(left.min(POLL_INTERVAL)) {
-                Ok(message) => return Ok(message),
-                Err(RecvTimeoutError::Disconnected) => return Err(WaitError::Disconnected),
-                Err(RecvTimeoutError::Timeout) if self.is_set() => return Err(WaitError::Stopped),
-                Err(RecvTimeoutError::Timeout) if started.elapsed() >= timeout => {
-                    return Err(WaitError::TimedOut);
-                }
-                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Timeout) if self.is_set() => return None,
+                Err(RecvTimeoutError::Timeout) if started.elapsed() < timeout => {}
+                received => return Some(received),
             }
         }
     }
-}
-
-/// Reasons for a wait to end without a message.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum WaitError {
-    /// No message arrived within the timeout.
-    TimedOut,
-    /// The sender was dropped.
-    Disconnected,
-    /// The [`StopSignal`] is set.
-    Stopped,
 }
 
 /// Why a simulator cannot be used, in words: a program that cannot be started or ends without a reply, a reply that breaks the protocol, a

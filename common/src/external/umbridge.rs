@@ -13,9 +13,9 @@
 use super::cycle_reply::ExpectedCycle;
 use super::cycle_request::CycleLine;
 use super::reply::{Expected, NoResult, outcome, parse, shown};
-use super::slot::{SampleResult, SimulatorError, Slot, SlotError, SlotRequest, StopSignal, WaitError};
+use super::slot::{SampleResult, SimulatorError, Slot, SlotError, SlotRequest, StopSignal};
 use crate::failure::SimulationFailure;
-use crate::scene::{Gives, Scene, UmBridgeModel};
+use crate::scene::{Scene, UmBridgeModel};
 use crate::umbridge as protocol;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value, json};
@@ -67,16 +67,7 @@ fn unanswered(url: &str, reason: String) -> SimulatorError {
 }
 
 /// Status and body of an HTTP reply.
-struct HttpReply {
-    status: u16,
-    text: String,
-}
-
-/// Reasons for a request without a reply.
-enum HttpError {
-    TimedOut,
-    Failed(String),
-}
+type HttpReply = (u16, String);
 
 impl UmBridgeClient {
     /// Connects to a server; checks protocol version, model name, support of evaluation, and sizes against the scene.
@@ -123,7 +114,7 @@ impl UmBridgeClient {
         let [taken, given] = shapes.each_ref().map(|sizes| sizes.iter().sum::<usize>());
         let lengths = client.expected.lengths();
         let values = lengths.iter().sum::<usize>();
-        let gives_life = scene.simulator.as_ref().is_none_or(|simulator| simulator.gives == Gives::Life);
+        let gives_life = scene.simulator.as_ref().is_none_or(|simulator| simulator.cycles.is_none());
         if !gives_life {
             if let Some((sizes, expected)) = ExpectedCycle::from_scene(scene).misfit(variables, &shapes) {
                 return Err(client.other_vectors(&sizes, &expected));
@@ -151,21 +142,21 @@ impl UmBridgeClient {
     /// Queries name, sizes or support of the model.
     fn query<T: DeserializeOwned>(&self, path: &str, body: Option<Value>) -> Result<T, SimulatorError> {
         let wrong = |reason| unanswered(&format!("{}/{path}", self.model.url), reason);
-        let reply = self.send(path, body.as_ref(), INFO_TIMEOUT).map_err(|none| match none {
-            HttpError::TimedOut => wrong(format!("no reply within {} s", INFO_TIMEOUT.as_secs())),
-            HttpError::Failed(reason) => wrong(reason),
+        let (status, text) = self.send(path, body.as_ref(), INFO_TIMEOUT).map_err(|none| match none {
+            ureq::Error::Timeout(_) => wrong(format!("no reply within {} s", INFO_TIMEOUT.as_secs())),
+            other => wrong(other.to_string()),
         })?;
-        match serde_json::from_str(&reply.text) {
-            Ok(body) if reply.status == 200 => Ok(body),
-            _ => Err(wrong(match serde_json::from_str(&reply.text) {
+        match serde_json::from_str(&text) {
+            Ok(body) if status == 200 => Ok(body),
+            _ => Err(wrong(match serde_json::from_str(&text) {
                 Ok(protocol::ErrorReply { error }) => format!("{}: {}", error.kind, error.message),
-                Err(_) => format!("HTTP status {}: \"{}\"", reply.status, shown(&reply.text)),
+                Err(_) => format!("HTTP status {status}: \"{}\"", shown(&text)),
             })),
         }
     }
 
     /// Sends one request: `POST` with a body, `GET` without.
-    fn send(&self, path: &str, body: Option<&Value>, timeout: Duration) -> Result<HttpReply, HttpError> {
+    fn send(&self, path: &str, body: Option<&Value>, timeout: Duration) -> Result<HttpReply, ureq::Error> {
         let url = format!("{}/{path}", self.model.url);
         let sent = match body {
             None => self.agent.get(url).config().timeout_global(Some(timeout)).build().call(),
@@ -174,15 +165,10 @@ impl UmBridgeClient {
                 request.config().timeout_global(Some(timeout)).build().send(body.to_string())
             }
         };
-        let read = sent.and_then(|mut response| {
-            let text =
-                response.body_mut().with_config().limit(LONGEST_REPLY).lossy_utf8(true).read_to_string()?;
-            Ok(HttpReply { status: response.status().as_u16(), text })
-        });
-        read.map_err(|error| match error {
-            ureq::Error::Timeout(_) => HttpError::TimedOut,
-            other => HttpError::Failed(other.to_string()),
-        })
+        let mut response = sent?;
+        let body = response.body_mut().with_config().limit(LONGEST_REPLY).lossy_utf8(true);
+        let text = body.read_to_string()?;
+        Ok((response.status().as_u16(), text))
     }
 
     /// Configuration of the model at a level.
@@ -208,9 +194,9 @@ impl UmBridgeClient {
     }
 
     /// Output vectors of a reply.
-    fn vectors(&self, http: &HttpReply) -> Result<Vec<Vec<Value>>, NoResult> {
-        let said = || shown(&http.text);
-        let reply = parse(&http.text).map_err(|_| format!("HTTP status {}: \"{}\"", http.status, said()))?;
+    fn vectors(&self, (status, text): &HttpReply) -> Result<Vec<Vec<Value>>, NoResult> {
+        let said = || shown(text);
+        let reply = parse(text).map_err(|_| format!("HTTP status {status}: \"{}\"", said()))?;
         if let Ok(protocol::ErrorReply { error }) = serde_json::from_value(reply.clone()) {
             let message = format!("{}: {}", error.kind, error.message);
             let refused = REFUSALS.contains(&error.kind.as_str());
@@ -241,7 +227,7 @@ impl ModelSlot {
     }
 
     /// Sends an evaluation request from a separate thread, which is abandoned if the stop signal is set.
-    fn send(&self, body: &Value, stop: &StopSignal) -> Result<Result<HttpReply, HttpError>, SlotError> {
+    fn send(&self, body: &Value, stop: &StopSignal) -> Result<Result<HttpReply, ureq::Error>, SlotError> {
         let (sender, replies) = channel();
         let (client, body) = (Arc::clone(&self.client), body.clone());
         let send = move || {
@@ -250,10 +236,8 @@ impl ModelSlot {
         };
         let thread = std::thread::Builder::new().name("umbridge".into()).spawn(send);
         thread.map_err(SlotError::Thread)?;
-        stop.wait(&replies, Duration::MAX).map_err(|none| match none {
-            WaitError::Stopped => SlotError::Stopped,
-            _ => SlotError::ThreadEnded("the thread of a request"),
-        })
+        let reply = stop.wait(&replies, Duration::MAX).ok_or(SlotError::Stopped)?;
+        reply.map_err(|_| SlotError::ThreadEnded("the thread of a request"))
     }
 
     /// What `read` makes of the output vectors for these `values` of the input vectors, one after another, in evaluation `id`.
@@ -272,13 +256,11 @@ impl ModelSlot {
         for attempt in 1.. {
             let last = attempt == ATTEMPTS;
             match self.send(&body, stop)? {
-                Err(HttpError::TimedOut) => {
+                Err(ureq::Error::Timeout(_)) => {
                     return Ok(Err(SimulationFailure::TimedOut { seconds: self.client.seconds }));
                 }
-                Err(HttpError::Failed(reason)) if last => {
-                    return Err(unanswered(&url, reason).into());
-                }
-                Ok(HttpReply { status, text }) if status >= 500 && parse(&text).is_err() => {
+                Err(reason) if last => return Err(unanswered(&url, reason.to_string()).into()),
+                Ok((status, text)) if status >= 500 && parse(&text).is_err() => {
                     if last {
                         let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
                         let message = format!("HTTP status {status}: {}", shown(&text));
@@ -289,10 +271,10 @@ impl ModelSlot {
                     let read = self.client.vectors(&reply).and_then(&read);
                     return outcome(read, |fault| self.broken(id, fault));
                 }
-                Err(HttpError::Failed(reason)) => tracing::debug!("{url}: {reason}"),
+                Err(reason) => tracing::debug!("{url}: {reason}"),
             }
             let (_sender, nothing) = channel::<()>();
-            if stop.wait(&nothing, PAUSE) == Err(WaitError::Stopped) {
+            if stop.wait(&nothing, PAUSE).is_none() {
                 return Err(SlotError::Stopped);
             }
         }

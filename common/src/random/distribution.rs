@@ -13,14 +13,11 @@ mod empirical;
 mod exponential;
 mod gumbel;
 mod law;
-mod lognormal;
 mod normal;
 #[cfg(test)]
 mod tests;
-mod triangular;
 mod truncated_normal;
 mod uniform;
-mod weibull;
 
 pub use gumbel::Extreme;
 pub use law::{FitError, Law, LawError};
@@ -49,19 +46,19 @@ pub enum Distribution {
     /// Normal, without bounds.
     Normal(normal::Normal),
     /// The logarithm of the variable is normal.
-    Lognormal(lognormal::Lognormal),
+    Lognormal(normal::Lognormal),
     /// Constant density between two bounds.
     Uniform(uniform::Uniform),
     /// Extreme value distribution of type I, of maxima or of minima.
     Gumbel(gumbel::Gumbel),
     /// Extreme value distribution of minima that are bounded by zero, with two parameters.
-    Weibull(weibull::Weibull),
+    Weibull(exponential::Weibull),
     /// Exponential, shifted to begin at a lower bound.
     Exponential(exponential::Exponential),
     /// Beta between two bounds.
     Beta(beta::Beta),
     /// Density that rises linearly to the mode and falls linearly from it.
-    Triangular(triangular::Triangular),
+    Triangular(uniform::Triangular),
     /// One value with probability one: a variable held fixed.
     Constant(constant::Constant),
     /// Measured values, with straight lines between them.
@@ -86,7 +83,7 @@ impl Distribution {
 
     /// Lognormal with the `mean` > 0 and `std` of the variable, not of its logarithm.
     pub fn lognormal(mean: f64, std: f64) -> Result<Self, LawError> {
-        lognormal::Lognormal::new(mean, std).map(Self::Lognormal)
+        normal::Lognormal::new(mean, std).map(Self::Lognormal)
     }
 
     /// Uniform between `lower` and `upper`.
@@ -106,7 +103,7 @@ impl Distribution {
 
     /// Weibull of minima, from zero on; mean > 0, 0.001 < std / mean < 10.
     pub fn weibull(mean: f64, std: f64) -> Result<Self, LawError> {
-        weibull::Weibull::new(mean, std).map(Self::Weibull)
+        exponential::Weibull::new(mean, std).map(Self::Weibull)
     }
 
     /// Exponential from mean - std on.
@@ -126,7 +123,7 @@ impl Distribution {
 
     /// Triangular; lower <= mode <= upper.
     pub fn triangular(lower: f64, mode: f64, upper: f64) -> Result<Self, LawError> {
-        triangular::Triangular::new(lower, mode, upper).map(Self::Triangular)
+        uniform::Triangular::new(lower, mode, upper).map(Self::Triangular)
     }
 
     /// The finite `value` with probability one.

@@ -34,15 +34,6 @@ pub enum Family {
     Exponential,
 }
 
-/// Location and scale of a variable: y = location + scale z.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LocationScale {
-    /// Location, y at z = 0 [unit of y].
-    pub location: f64,
-    /// Scale, the difference of y at z = 1 and z = 0, > 0 [unit of y].
-    pub scale: f64,
-}
-
 impl Family {
     /// Every family by the word of a scene for it, in the order of messages.
     pub const WORDS: [(&'static str, Self); 6] = [
@@ -74,7 +65,7 @@ impl Family {
         if samples.iter().all(|x| *x == samples[0]) {
             return Err(FitError::AllEqual);
         }
-        let LocationScale { location, scale } = self.standard_fit(&self.transformed(samples));
+        let (location, scale) = self.standard_fit(&self.transformed(samples));
         Ok(match self {
             Self::Normal => Distribution::normal(location, scale),
             Self::Lognormal => {
@@ -108,16 +99,16 @@ impl Family {
         samples.iter().map(|x| y(*x)).collect()
     }
 
-    /// Location and scale of largest likelihood of the values y `(n,)`, which are not all equal.
-    pub fn standard_fit(self, y: &[f64]) -> LocationScale {
+    /// Location and scale of largest likelihood in y = location + scale z of the values y `(n,)`, which are not all equal [unit of y].
+    pub fn standard_fit(self, y: &[f64]) -> (f64, f64) {
         let n = y.len() as f64;
         let mean = y.iter().sum::<f64>() / n;
         match self.standard() {
             Standard::Normal => {
                 let variance = y.iter().map(|y| (y - mean) * (y - mean)).sum::<f64>() / n;
-                LocationScale { location: mean, scale: variance.sqrt() }
+                (mean, variance.sqrt())
             }
-            Standard::Exponential => LocationScale { location: 0.0, scale: mean },
+            Standard::Exponential => (0.0, mean),
             Standard::Gumbel => gumbel_fit(y, mean),
         }
     }
@@ -133,7 +124,7 @@ impl Family {
 }
 
 /// Scale and location of a Gumbel distribution of maxima by Newton's method within a bracket.
-fn gumbel_fit(y: &[f64], mean: f64) -> LocationScale {
+fn gumbel_fit(y: &[f64], mean: f64) -> (f64, f64) {
     let n = y.len() as f64;
     let least = y.iter().copied().fold(f64::INFINITY, f64::min);
     let variance = y.iter().map(|y| (y - mean) * (y - mean)).sum::<f64>() / n;
@@ -166,7 +157,7 @@ fn gumbel_fit(y: &[f64], mean: f64) -> LocationScale {
         scale = next;
     }
     let [w, ..] = sums(scale);
-    LocationScale { location: least - scale * libm::log(w / n), scale }
+    (least - scale * libm::log(w / n), scale)
 }
 
 #[cfg(test)]

@@ -187,45 +187,26 @@ impl ToleranceClass {
     }
 }
 
-/// A hole and a shaft of one nominal diameter, e.g. `H7/e8`.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Fit {
-    written: String,
-    hole: ToleranceClass,
-    shaft: ToleranceClass,
-}
-
-impl Fit {
-    /// Reads a fit: the classes of a hole and a shaft, separated by `/`.
-    ///
-    /// # Errors
-    /// [`ToleranceError::Fit`], [`ToleranceError::Class`].
-    pub fn parse(fit: &str) -> Result<Self, ToleranceError> {
-        let refused = || ToleranceError::Fit(fit.to_owned());
-        let (hole, shaft) = fit.split_once('/').ok_or_else(refused)?;
-        let (hole, shaft) = (ToleranceClass::parse(hole.trim())?, ToleranceClass::parse(shaft.trim())?);
-        if (hole.feature, shaft.feature) != (Feature::Hole, Feature::Shaft) {
-            return Err(refused());
-        }
-        Ok(Self { written: fit.to_owned(), hole, shaft })
+/// Mean and standard deviation of the diametral clearance, hole minus shaft, of a `fit` such as `H7/e8`, the classes of a hole and a shaft
+/// separated by `/`, at a nominal `diameter` [m], for processes of the `capability` C_p [1]: `(mean, std)` [m].
+///
+/// # Errors
+/// [`ToleranceError`]; [`ToleranceError::NoClearance`] if mean - 3 std <= 0.
+pub fn clearance_of_fit(fit: &str, diameter: f64, capability: f64) -> Result<(f64, f64), ToleranceError> {
+    let refused = || ToleranceError::Fit(fit.to_owned());
+    let (hole, shaft) = fit.split_once('/').ok_or_else(refused)?;
+    let (hole, shaft) = (ToleranceClass::parse(hole.trim())?, ToleranceClass::parse(shaft.trim())?);
+    if (hole.feature, shaft.feature) != (Feature::Hole, Feature::Shaft) {
+        return Err(refused());
     }
-
-    /// Mean and standard deviation of the diametral clearance, hole minus shaft, at a nominal `diameter` [m], for
-    /// processes of the `capability` C_p [1]: `(mean, std)` [m].
-    ///
-    /// # Errors
-    /// [`ToleranceError::Diameter`]; [`ToleranceError::NoClearance`] if mean - 3 std <= 0.
-    pub fn clearance(&self, diameter: f64, capability: f64) -> Result<(f64, f64), ToleranceError> {
-        let (hole, hole_std) = self.hole.moments(diameter, capability)?;
-        let (shaft, shaft_std) = self.shaft.moments(diameter, capability)?;
-        let (mean, std) = (hole - shaft, hole_std.hypot(shaft_std));
-        if mean - 3.0 * std <= 0.0 {
-            let fit = self.written.clone();
-            let (diameter, spread) = (diameter * MILLI, 3.0 * std * MICRO);
-            return Err(ToleranceError::NoClearance(fit, diameter, mean * MICRO, spread));
-        }
-        Ok((mean, std))
+    let (hole, hole_std) = hole.moments(diameter, capability)?;
+    let (shaft, shaft_std) = shaft.moments(diameter, capability)?;
+    let (mean, std) = (hole - shaft, hole_std.hypot(shaft_std));
+    if mean - 3.0 * std <= 0.0 {
+        let (diameter, spread) = (diameter * MILLI, 3.0 * std * MICRO);
+        return Err(ToleranceError::NoClearance(fit.to_owned(), diameter, mean * MICRO, spread));
     }
+    Ok((mean, std))
 }
 
 #[cfg(test)]

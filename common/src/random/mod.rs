@@ -16,8 +16,8 @@ mod standard;
 
 pub use copula::{Correlation, GaussianCopula, NotPositiveDefinite, normal_from_rank_correlation};
 pub use distribution::{Distribution, Extreme, FitError, Law, LawError};
-pub use family::{Family, LocationScale};
-pub use iso286::{Feature, Fit, ToleranceClass, ToleranceError};
+pub use family::Family;
+pub use iso286::{Feature, ToleranceClass, ToleranceError, clearance_of_fit};
 pub use standard::{
     Standard, Tail, standard_normal_cdf, standard_normal_mass, standard_normal_pdf, standard_normal_quantile,
 };

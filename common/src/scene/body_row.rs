@@ -1,9 +1,8 @@
 //! A body while its scene is read, and the references to it: names of bodies, places on them.
 
-use super::drive::Drive;
 use super::model::{Body, Motion, Point};
-use super::output_values::Attachment;
 use super::section::Section;
+use super::values::{Attachment, Drive};
 
 /// The words of `motion`.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -12,10 +12,6 @@ pub(super) const SCENES: [(&str, &str); 8] = [
     ("andrews-squeezer", include_str!("../../scenes/andrews-squeezer.toml")),
 ];
 
-/// Published results of built-in scenes, by the name of the scene.
-const REFERENCES: [(&str, &str); 1] =
-    [("flapping-wing", include_str!("../../scenes/flapping-wing.reference.toml"))];
-
 /// Text of a built-in scene; none if there is no scene of this name.
 pub(super) fn text(name: &str) -> Option<&'static str> {
     SCENES.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
@@ -23,5 +19,5 @@ pub(super) fn text(name: &str) -> Option<&'static str> {
 
 /// Text of the published results of a built-in scene; none if there are none.
 pub(super) fn reference(name: &str) -> Option<&'static str> {
-    REFERENCES.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
+    (name == "flapping-wing").then_some(include_str!("../../scenes/flapping-wing.reference.toml"))
 }

@@ -78,20 +78,18 @@ pub(super) struct Parameters<'s> {
     values: BTreeMap<String, Option<Quantity>>,
     /// Names of those under evaluation, each used in the definition of the one before it.
     open: Vec<String>,
-    /// Names that other parts of the scene use.
-    used_directly: BTreeSet<String>,
-    /// Names that the definition of each parameter uses.
-    uses: BTreeMap<String, BTreeSet<String>>,
+    /// Names that the definition of each parameter uses; under `None` those that other parts of the scene use.
+    uses: BTreeMap<Option<String>, BTreeSet<String>>,
 }
 
 impl Parameters<'_> {
     /// Parameters that the rest of the scene depends on, directly or through others.
     pub(super) fn used(&self) -> BTreeSet<String> {
         let mut used = BTreeSet::new();
-        let mut left: Vec<&String> = self.used_directly.iter().collect();
-        while let Some(name) = left.pop() {
-            if used.insert(name.clone()) {
-                left.extend(self.uses.get(name).into_iter().flatten());
+        let mut left = vec![None];
+        while let Some(user) = left.pop() {
+            for name in self.uses.get(&user).into_iter().flatten() {
+                left.extend(used.insert(name.clone()).then(|| Some(name.clone())));
             }
         }
         used
@@ -157,10 +155,8 @@ impl<'s> Context<'s> {
     /// of the scene.
     fn parameter(&self, name: &str) -> Result<Quantity, ExpressionError> {
         let mut parameters = self.parameters.borrow_mut();
-        match parameters.open.last().cloned() {
-            Some(user) => parameters.uses.entry(user).or_default().insert(name.to_owned()),
-            None => parameters.used_directly.insert(name.to_owned()),
-        };
+        let user = parameters.open.last().cloned();
+        parameters.uses.entry(user).or_default().insert(name.to_owned());
         drop(parameters);
         self.evaluated(name)
     }

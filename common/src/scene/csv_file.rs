@@ -13,6 +13,12 @@ const FAULT_LIMIT: usize = 10;
 /// A column that was asked for: its numbers and where they stand.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct CsvColumn {
+    /// Path of the list that the column becomes in a scene, e.g. `loads.push.size.at`.
+    pub(super) key: String,
+    /// The CSV file.
+    pub(super) file: String,
+    /// Text of that file.
+    pub(super) text: String,
     /// Unit in the head; none if the head has none.
     pub(super) unit: Option<String>,
     /// Bytes of the unit in the text, or of the whole head.
@@ -23,6 +29,21 @@ pub(super) struct CsvColumn {
     pub(super) numbers: Vec<f64>,
     /// Bytes of each number in the text `(n,)`.
     pub(super) spans: Vec<Range<usize>>,
+}
+
+impl CsvColumn {
+    /// The bytes in the CSV file of what a path below the column names: a number, the unit, or the head.
+    pub(super) fn span(&self, path: &str) -> Option<Range<usize>> {
+        let rest = path.strip_prefix(&self.key)?;
+        match rest.strip_prefix('.') {
+            None => rest.is_empty().then(|| self.head_span.clone()),
+            Some("unit") => Some(self.unit_span.clone()),
+            Some(number) => {
+                let number = number.strip_prefix("values.").unwrap_or(number);
+                self.spans.get(number.parse::<usize>().ok()?.checked_sub(1)?).cloned()
+            }
+        }
+    }
 }
 
 /// A CSV file split into cells.
@@ -109,14 +130,9 @@ impl<'t> CsvFile<'t> {
         Some(self.fault(span, key, message))
     }
 
-    /// Number of columns.
-    pub(super) fn width(&self) -> usize {
-        self.head.len()
-    }
-
-    /// Head of a column, with its unit.
-    pub(super) fn head(&self, column: usize) -> &'t str {
-        self.head[column].text
+    /// Heads of the columns, with their units.
+    pub(super) fn heads(&self) -> Vec<String> {
+        self.head.iter().map(|cell| cell.text.to_owned()).collect()
     }
 
     /// The place of the column that is called `name`, with or without its unit.
@@ -136,7 +152,7 @@ impl<'t> CsvFile<'t> {
         })
     }
 
-    /// The numbers of a column.
+    /// A column, which becomes the list `key` of a scene.
     ///
     /// # Errors
     /// Cells that are no numbers, each with its place.
@@ -156,6 +172,9 @@ impl<'t> CsvFile<'t> {
             at..at + unit.len()
         };
         Ok(CsvColumn {
+            key: key.to_owned(),
+            file: self.file.to_owned(),
+            text: self.text.to_owned(),
             unit: unit.map(str::to_owned),
             unit_span: unit.map_or(head.span.clone(), place),
             head_span: head.span.clone(),
@@ -238,7 +257,7 @@ mod tests {
     fn heads_units_and_numbers_keep_their_places() {
         let text = "\u{feff}# test bench 3\r\n\"angle [deg]\"; force [ N ]\r\n\r\n0;\t1.5\r\n 90 ; -2e-1\r\n";
         let csv = CsvFile::read("load.csv", text, "loads.push.size").unwrap();
-        assert_eq!((csv.width(), csv.head(0)), (2, "angle [deg]"));
+        assert_eq!(csv.heads(), ["angle [deg]", "force [ N ]"]);
         assert_eq!((csv.find("angle").unwrap(), csv.find("force [N]").unwrap()), (0, 1));
         let force = csv.column(1, "loads.push.size").unwrap();
         assert_eq!((force.unit.as_deref(), &text[force.unit_span]), (Some("N"), "N"));

@@ -6,7 +6,6 @@
 use super::csv_file::{CsvColumn, CsvFile};
 use super::faults::{FaultKind, Faults};
 use crate::text_file::read_text;
-use std::ops::Range;
 use std::path::Path;
 use toml::{Table, Value};
 
@@ -21,34 +20,6 @@ const PLACES: [(&str, &[&str]); 4] = [
 /// Key of a curve or of samples with the file that they are from, and the hash of its content.
 pub(super) const SOURCE: &str = "source";
 
-/// A column that a scene took from a CSV file.
-#[derive(Debug, Clone)]
-pub(super) struct ImportedColumn {
-    /// Path of the list that the column became, e.g. `loads.push.size.at`.
-    pub(super) key: String,
-    /// The CSV file.
-    pub(super) file: String,
-    /// Text of that file.
-    pub(super) text: String,
-    column: CsvColumn,
-}
-
-impl ImportedColumn {
-    /// The bytes in the CSV file of what a path below the column names: a number, the unit, or the head.
-    pub(super) fn span(&self, path: &str) -> Option<Range<usize>> {
-        let rest = path.strip_prefix(&self.key)?;
-        let CsvColumn { unit_span, head_span, spans, .. } = &self.column;
-        match rest.strip_prefix('.') {
-            None => rest.is_empty().then(|| head_span.clone()),
-            Some("unit") => Some(unit_span.clone()),
-            Some(number) => {
-                let number = number.strip_prefix("values.").unwrap_or(number);
-                spans.get(number.parse::<usize>().ok()?.checked_sub(1)?).cloned()
-            }
-        }
-    }
-}
-
 /// Puts the columns of all CSV files that a document names into it; `folder` is that of its file.
 ///
 /// # Errors
@@ -57,7 +28,7 @@ pub(super) fn import(
     document: &mut Table,
     origin: &str,
     folder: Option<&Path>,
-) -> Result<Vec<ImportedColumn>, Faults> {
+) -> Result<Vec<CsvColumn>, Faults> {
     let mut read = Vec::new();
     for (list, keys) in PLACES {
         let rows = document.get_mut(list).and_then(Value::as_array_mut).into_iter().flatten();
@@ -87,7 +58,7 @@ struct ImportRequest<'r> {
 
 impl ImportRequest<'_> {
     /// Replaces `csv` and `columns` of a curve by `at` and `value`, or `csv` and `column` of samples by `unit` and `values`.
-    fn read(&self, table: &mut Table, is_sample: bool) -> Result<Vec<ImportedColumn>, Faults> {
+    fn read(&self, table: &mut Table, is_sample: bool) -> Result<Vec<CsvColumn>, Faults> {
         let (key, expected, [first, second]) = match is_sample {
             true => ("column", "the name of a column", ["unit", "values"]),
             false => {
@@ -99,7 +70,7 @@ impl ImportRequest<'_> {
         }
         let (file, text) = self.file(table)?;
         let csv = CsvFile::read(&file, &text, &format!("{}.csv", self.path))?;
-        let heads: Vec<String> = (0..csv.width()).map(|column| csv.head(column).to_owned()).collect();
+        let heads = csv.heads();
         let count = if is_sample { 1 } else { 2 };
         let names = match table.remove(key) {
             None if heads.len() == count => heads,
@@ -123,16 +94,16 @@ impl ImportRequest<'_> {
                 false => (place, format!("{}.{part}", self.path)),
             };
             let column = csv.find(name).map_err(|kind| self.one(place, kind))?;
-            Ok((csv.column(column, &path)?, path))
+            csv.column(column, &path)
         });
-        let imported = all(read)?.into_iter().zip([first, second]).map(|((column, key), part)| {
+        let imported = all(read)?;
+        for (column, part) in imported.iter().zip([first, second]) {
             match is_sample {
-                true => table.extend(list(&column)),
-                false => drop(table.insert(part.to_owned(), Value::Table(list(&column)))),
+                true => table.extend(list(column)),
+                false => drop(table.insert(part.to_owned(), Value::Table(list(column)))),
             }
-            ImportedColumn { key, file: file.clone(), text: text.clone(), column }
-        });
-        Ok(imported.collect())
+        }
+        Ok(imported)
     }
 
     /// Name and text of the file that a table names; name and hash take the place of its key.

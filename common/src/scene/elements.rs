@@ -4,11 +4,10 @@ use super::body_row::BodyRow;
 use super::context::Range;
 use super::faults::FaultKind;
 use super::joints::JointRow;
-use super::key_reading::{Named, values};
+use super::key_reading::values;
 use super::key_table::{ElementKind, Form, Key, Value};
-use super::limit_state::{Fails, LimitState};
 use super::load::Load;
-use super::output::{Output, OutputKind};
+use super::output::{Fails, LimitState, Output, OutputKind};
 use super::output_unit::OutputUnit;
 use super::quantity::{Kind, NUMBER};
 use super::section::Section;
@@ -41,7 +40,7 @@ impl OutputRow {
 /// Reads `[[outputs]]`; a faulty output keeps its row.
 pub(super) fn outputs(file: &mut Section, bodies: &[BodyRow], joints: &[JointRow]) -> Vec<OutputRow> {
     let words: Vec<_> = OutputKind::KINDS.iter().flat_map(typed_words).collect();
-    file.each_row("outputs", |name, row| typed_output(name, row, &words, Named { bodies, joints }))
+    file.each_row("outputs", |name, row| typed_output(name, row, &words, bodies, joints))
 }
 
 /// A kind of outputs, and what depends on its word.
@@ -59,11 +58,12 @@ pub(super) fn typed_output(
     name: &str,
     row: &mut Section,
     words: &[(&str, OfWord)],
-    named: Named,
+    bodies: &[BodyRow],
+    joints: &[JointRow],
 ) -> OutputRow {
     let (kind, unit) = row.word("type", words).unzip();
     let read = kind.and_then(|kind| {
-        let values = values(row, kind.keys, named);
+        let values = values(row, kind.keys, bodies, joints);
         OutputKind::from_values(kind.name, values.into_iter().collect::<Option<_>>()?)
     });
     OutputRow {
@@ -79,7 +79,7 @@ pub(super) fn loads(file: &mut Section, bodies: &[BodyRow]) -> Vec<Load> {
     let words: Vec<_> = Load::KINDS.iter().map(|kind| (kind.words[0].0, kind)).collect();
     let loads = file.each_row("loads", |_, row| {
         let kind = row.word("type", &words)?;
-        let read = values(row, kind.keys, Named { bodies, joints: &[] });
+        let read = values(row, kind.keys, bodies, &[]);
         check(row, kind.keys, &read)?;
         Load::from_values(kind.name, read.into_iter().collect::<Option<_>>()?)
     });

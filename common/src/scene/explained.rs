@@ -1,15 +1,13 @@
 //! Loads and outputs in one line each, by the sentences of their tables.
 
-use super::drive::{Curve, Drive, Over, Table};
-use super::joint::JointKind;
+use super::joint::{JointKind, Mesh, MeshForm};
 use super::key_table::{Form, Key, Value};
 use super::load::Load;
-use super::mesh::{Mesh, MeshForm};
 use super::model::Scene;
 use super::output::OutputKind;
-use super::output_values::HeldInput;
 use super::quantity::{ANGLE, ANGULAR_VELOCITY, Kind, LENGTH};
 use super::units::Units;
+use super::values::{Curve, Drive, HeldInput, Over, Table};
 
 /// A sentence with texts in the places of the keys in braces.
 pub fn filled(sentence: &str, text: impl Fn(&str) -> String) -> String {

@@ -8,7 +8,7 @@ use super::csv_import::{SOURCE, import};
 use super::document::document;
 use super::edit::name;
 use super::faults::{FaultKind, Faults, nearest, suggestion};
-use super::layers::{Layer, Layers};
+use super::layers::Layer;
 use crate::text_file::read_text;
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
@@ -62,7 +62,11 @@ pub(super) fn unknown_scene(name: &str) -> FaultKind {
 ///
 /// # Errors
 /// Faults of syntax, and what is wrong with `extends`, each with its place.
-pub(super) fn flatten(text: String, origin: &str, folder: Option<&Path>) -> Result<(Table, Layers), Faults> {
+pub(super) fn flatten(
+    text: String,
+    origin: &str,
+    folder: Option<&Path>,
+) -> Result<(Table, Vec<Layer>), Faults> {
     let mut layers = Vec::new();
     let mut documents = Vec::new();
     let mut next = Some((text, origin.to_owned(), folder.map(Path::to_path_buf)));
@@ -91,7 +95,7 @@ pub(super) fn flatten(text: String, origin: &str, folder: Option<&Path>) -> Resu
         }
         merge(&mut merged, own);
     }
-    Ok((merged, Layers(layers)))
+    Ok((merged, layers))
 }
 
 /// Paths of what a scene leaves out of the one that it extends.

@@ -5,7 +5,7 @@ use super::csv_file::{CsvRow, csv_rows};
 use super::document::document;
 use super::extends::read_input as read;
 use super::faults::{Fault, Faults};
-use super::layers::{Layer, Layers};
+use super::layers::Layer;
 use super::section::Section;
 use std::path::Path;
 use toml::Table;
@@ -13,8 +13,9 @@ use toml::Table;
 /// A TOML file with its text, so that a fault has its place.
 #[derive(Debug, Clone)]
 pub struct InputFile {
-    document: Table,
-    layers: Layers,
+    /// Its tables as written.
+    pub document: Table,
+    layer: Layer,
 }
 
 impl InputFile {
@@ -33,17 +34,12 @@ impl InputFile {
     pub fn parse(text: &str, origin: &str) -> Result<Self, Faults> {
         let document = document(text, origin)?;
         let layer = Layer { file: origin.to_owned(), text: text.to_owned(), imported: vec![] };
-        Ok(Self { document, layers: Layers(vec![layer]) })
+        Ok(Self { document, layer })
     }
 
     /// The file as it is called in faults.
     pub fn origin(&self) -> &str {
-        &self.layers.0[0].file
-    }
-
-    /// Its tables as written.
-    pub fn document(&self) -> &Table {
-        &self.document
+        &self.layer.file
     }
 
     /// What `reader` makes of the whole file, unless it records a fault; a key that it does not ask for is one.
@@ -68,7 +64,7 @@ impl InputFile {
     }
 
     fn faultless(&self, faults: Vec<Fault>) -> Result<(), Faults> {
-        if faults.is_empty() { Ok(()) } else { Err(self.layers.located(Faults(faults))) }
+        if faults.is_empty() { Ok(()) } else { Err(self.layer.located(Faults(faults))) }
     }
 }
 

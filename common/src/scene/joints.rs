@@ -6,16 +6,14 @@
 use super::body_row::{BodyRow, place};
 use super::clearance::{FRICTION, MaterialRow, clearance, guide};
 use super::context::Range;
-use super::drive::{Curve, Drive, Over};
 use super::faults::FaultKind;
-use super::joint::{IdealFriction, Joint, JointKind};
-use super::mesh::{Mesh, MeshForm};
+use super::joint::{IdealFriction, Joint, JointKind, Mesh, MeshForm};
 use super::model::Motion;
 use super::monotone::monotone_value;
-use super::output_values::Attachment;
 use super::quantity::{ANGLE, LENGTH, NUMBER, SPEED};
 use super::section::{Section, record};
-use super::tables::{Repetition, curve, over_time};
+use super::tables::{curve, over_time};
+use super::values::{Attachment, Curve, Drive, Over};
 use std::f64::consts::FRAC_PI_2;
 
 /// Table of the keys of all joints with clearance that do not have their own.
@@ -283,7 +281,7 @@ pub(super) fn linear_drive(row: &mut Section) -> Option<Drive> {
         if speed {
             row.inconsistent("speed", "belongs to a length at the start; the table of lengths has its own");
         }
-        let table = over_time(row, "length", LENGTH, Repetition::Closed)?;
+        let table = over_time(row, "length", LENGTH)?;
         return match table.value.iter().position(|length| *length <= 0.0) {
             None => Some(Drive::Angle(table)),
             Some(k) => {

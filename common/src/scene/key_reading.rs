@@ -2,28 +2,25 @@
 
 use super::body_row::{BodyRow, MotionWord, body, place};
 use super::context::Range;
-use super::drive::Curve;
 use super::joint::{JointKind, WearingSurfaces};
 use super::joints::{JointRow, chosen_joints, listed};
 use super::key_table::{Form, Key, Value};
-use super::output_values::{ErrorMeasure, HeldInput, ImpactMeasure, SignedBody, WearQuantity};
 use super::quantity::{ANGLE, Kind, LENGTH, NUMBER};
 use super::section::Section;
 use super::tables::curve;
-
-/// Bodies and joints to which the keys of an element refer.
-#[derive(Clone, Copy)]
-pub(super) struct Named<'a> {
-    pub(super) bodies: &'a [BodyRow],
-    pub(super) joints: &'a [JointRow],
-}
+use super::values::{Curve, ErrorMeasure, HeldInput, ImpactMeasure, SignedBody, WearQuantity};
 
 /// Reads all keys of a row; `None` for a faulty value.
-pub(super) fn values(row: &mut Section, keys: &[Key], named: Named) -> Vec<Option<Value>> {
-    keys.iter().map(|key| value(row, key, named)).collect()
+pub(super) fn values(
+    row: &mut Section,
+    keys: &[Key],
+    bodies: &[BodyRow],
+    joints: &[JointRow],
+) -> Vec<Option<Value>> {
+    keys.iter().map(|key| value(row, key, bodies, joints)).collect()
 }
 
-fn value(row: &mut Section, key: &Key, Named { bodies, joints }: Named) -> Option<Value> {
+fn value(row: &mut Section, key: &Key, bodies: &[BodyRow], joints: &[JointRow]) -> Option<Value> {
     let name = key.name;
     Some(match key.form {
         Form::Name => row.peek("name")?.as_str()?.to_owned().into(),

@@ -3,9 +3,10 @@
 //! explanation (`explained`), the rows of reports, the schema of scenes and the page about their language follow from the same rows.
 
 use super::context::Range;
-use super::drive::{Curve, Over};
-use super::output_values::{Attachment, ErrorMeasure, HeldInput, ImpactMeasure, SignedBody, WearQuantity};
 use super::quantity::Kind;
+use super::values::{
+    Attachment, Curve, ErrorMeasure, HeldInput, ImpactMeasure, Over, SignedBody, WearQuantity,
+};
 
 /// A row of a table: one kind of element.
 #[derive(Debug)]

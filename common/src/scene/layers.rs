@@ -3,7 +3,7 @@
 //! A path such as `joints.crank.friction`, `loads[2].name` or `loads.push.size.value.2` leads through tables by their keys, through
 //! lists of tables by the name or the number of a row, and through lists of values by their number or as `.x` and `.y`.
 
-use super::csv_import::ImportedColumn;
+use super::csv_file::CsvColumn;
 use super::faults::{Fault, FaultKind, Faults};
 use super::location::Location;
 use std::ops::Range;
@@ -21,76 +21,73 @@ pub(super) struct Layer {
     /// Its text, which is valid TOML.
     pub(super) text: String,
     /// The columns of CSV files that it names.
-    pub(super) imported: Vec<ImportedColumn>,
+    pub(super) imported: Vec<CsvColumn>,
 }
 
 impl Layer {
     /// Faults of this text alone, with the file and the place of each.
     pub(super) fn located(&self, faults: Faults) -> Faults {
-        Layers(vec![self.clone()]).located(faults)
+        located(std::slice::from_ref(self), faults)
     }
 }
 
-/// The text of a scene first, then those of the scenes that it extends.
-#[derive(Debug, Clone)]
-pub(super) struct Layers(pub(super) Vec<Layer>);
+/// A layer and the tables in its text with their places.
+type ParsedLayer<'t> = (&'t Layer, Spanned<DeTable<'t>>);
 
-/// A parsed layer: its text and the tables in it with their places.
-struct ParsedLayer<'t> {
-    layer: &'t Layer,
-    document: Spanned<DeTable<'t>>,
-}
-
-/// A place in one of the layers, or in a CSV file that it names.
+/// How far a path leads into one of the layers, or into a CSV file that it names.
 struct Found<'t> {
     file: &'t str,
     /// Text of the file.
     source: &'t str,
-    trace: Trace,
+    /// Bytes of the key of the last part that was found; those of the whole list or table for a row.
+    key: Range<usize>,
+    /// Bytes of its value; of a row of a list those of its name, if it has one.
+    value: Range<usize>,
+    /// The value if it is a text.
+    text: Option<String>,
+    /// Number of bytes of the path that were found.
+    found: usize,
+    /// True if all of it was found.
+    whole: bool,
 }
 
 impl Found<'_> {
-    fn location(&self, span: Range<usize>) -> Location {
-        Location::new(self.file, self.source, span)
+    fn location(&self, span: &Range<usize>) -> Location {
+        Location::new(self.file, self.source, span.clone())
     }
 }
 
-impl Layers {
-    /// The faults with the file and the place of each, as far as they have one.
-    pub(super) fn located(&self, Faults(faults): Faults) -> Faults {
-        let parsed = self.parsed();
-        Faults(faults.into_iter().map(|fault| locate(&parsed, fault)).collect())
-    }
+/// Faults of a scene with the file and the place of each, as far as they have one. Of its `layers` its own text is the first, then come those of
+/// the scenes that it extends.
+pub(super) fn located(layers: &[Layer], Faults(faults): Faults) -> Faults {
+    let parsed = parsed(layers);
+    Faults(faults.into_iter().map(|fault| locate(&parsed, fault)).collect())
+}
 
-    /// The place of a key, or of the last part of its path that is in a text.
-    pub(super) fn location(&self, key: &str) -> Option<Location> {
-        let found = find(&self.parsed(), key)?;
-        Some(found.location(found.trace.value.clone()))
-    }
+/// The place of a key, or of the last part of its path that is in a text.
+pub(super) fn location(layers: &[Layer], key: &str) -> Option<Location> {
+    let found = find(&parsed(layers), key)?;
+    Some(found.location(&found.value))
+}
 
-    fn parsed(&self) -> Vec<ParsedLayer<'_>> {
-        let parsed = |layer| Some(ParsedLayer { layer, document: DeTable::parse(&layer.text as &str).ok()? });
-        self.0.iter().filter_map(parsed).collect()
-    }
+fn parsed(layers: &[Layer]) -> Vec<ParsedLayer<'_>> {
+    layers.iter().filter_map(|layer| Some((layer, DeTable::parse(&layer.text as &str).ok()?))).collect()
 }
 
 /// The longest part of a path that one of the layers has; of equal ones that of the first layer, whose values count.
 fn find<'t>(layers: &[ParsedLayer<'t>], path: &str) -> Option<Found<'t>> {
     // Merged rows have other numbers than those of one file.
     let numbered_rows = layers.len() == 1;
-    let place = |ParsedLayer { layer, document }: &ParsedLayer<'t>| {
+    let place = |(layer, document): &ParsedLayer<'t>| {
         let in_csv = layer.imported.iter().find_map(|column| {
             let (key, found) = (column.span(path)?, path.len());
-            let trace = Trace { value: key.clone(), key, text: None, found, whole: true };
-            Some(Found { file: &column.file, source: &column.text, trace })
+            let (file, source, value) = (&*column.file, &*column.text, key.clone());
+            Some(Found { file, source, key, value, text: None, found, whole: true })
         });
-        in_csv.or_else(|| {
-            let trace = trace(document.get_ref(), path, numbered_rows)?;
-            Some(Found { file: &layer.file, source: &layer.text, trace })
-        })
+        in_csv.or_else(|| trace(layer, document.get_ref(), path, numbered_rows))
     };
     // Of equal ones `max_by_key` takes the last.
-    layers.iter().rev().filter_map(place).max_by_key(|found| found.trace.found)
+    layers.iter().rev().filter_map(place).max_by_key(|found| found.found)
 }
 
 fn locate(layers: &[ParsedLayer<'_>], mut fault: Fault) -> Fault {
@@ -99,22 +96,22 @@ fn locate(layers: &[ParsedLayer<'_>], mut fault: Fault) -> Fault {
     }
     let Some(found) = find(layers, &fault.key) else {
         // What is missing at the top belongs at the end of the file.
-        if let (FaultKind::Missing(_), Some(own)) = (&fault.kind, layers.first()) {
-            let end = own.layer.text.trim_end().len();
-            fault.location = Some(Box::new(Location::new(&own.layer.file, &own.layer.text, end..end)));
+        if let (FaultKind::Missing(_), Some((own, _))) = (&fault.kind, layers.first()) {
+            let end = own.text.trim_end().len();
+            fault.location = Some(Box::new(Location::new(&own.file, &own.text, end..end)));
         }
         return fault;
     };
-    let used = found.location(span_of(&found, &fault.kind));
+    let used = found.location(&span_of(&found, &fault.kind));
     if let FaultKind::Duplicate(what, value) = &fault.kind {
         let first = find(layers, &format!("{what}.{value}"));
-        fault.used_at = first.map(|first| Box::new(first.location(first.trace.value.clone())));
+        fault.used_at = first.map(|first| Box::new(first.location(&first.value)));
     }
     let is_of_a_value = matches!(fault.kind, FaultKind::OfAValue(_));
-    let location = match definition(layers, &found).filter(|_| found.trace.whole && is_of_a_value) {
+    let location = match definition(layers, &found).filter(|_| found.whole && is_of_a_value) {
         Some(definition) => {
             fault.used_at = Some(Box::new(used));
-            definition.location(definition.trace.value.clone())
+            definition.location(&definition.value)
         }
         None => used,
     };
@@ -126,14 +123,14 @@ fn locate(layers: &[ParsedLayer<'_>], mut fault: Fault) -> Fault {
 /// The bytes to point at: an unknown key itself, a key that cannot be a name, the piece of an expression that cannot be read, otherwise the value.
 fn span_of(found: &Found, kind: &FaultKind) -> Range<usize> {
     // In quotes or without.
-    let key = found.source.get(found.trace.key.clone()).unwrap_or_default();
+    let key = found.source.get(found.key.clone()).unwrap_or_default();
     match kind {
-        FaultKind::UnknownKey { .. } if found.trace.whole => found.trace.key.clone(),
-        FaultKind::BadName(name, _) if key.trim_matches(['"', '\'']) == name => found.trace.key.clone(),
-        FaultKind::Expression(_, Some(piece)) if found.trace.whole => {
-            piece_in(found.source, &found.trace.value, piece).unwrap_or_else(|| found.trace.value.clone())
+        FaultKind::UnknownKey { .. } if found.whole => found.key.clone(),
+        FaultKind::BadName(name, _) if key.trim_matches(['"', '\'']) == name => found.key.clone(),
+        FaultKind::Expression(_, Some(piece)) if found.whole => {
+            piece_in(found.source, &found.value, piece).unwrap_or_else(|| found.value.clone())
         }
-        _ => found.trace.value.clone(),
+        _ => found.value.clone(),
     }
 }
 
@@ -151,36 +148,21 @@ fn piece_in(text: &str, part: &Range<usize>, piece: &str) -> Option<Range<usize>
 
 /// The definition of the parameter that a value consists of, through parameters that consist of one again.
 fn definition<'t>(layers: &[ParsedLayer<'t>], value: &Found) -> Option<Found<'t>> {
-    let mut name = value.trace.text.clone();
+    let mut name = value.text.clone();
     let mut definition = None;
     for _ in 0..ALIAS_LIMIT {
         // A plain number names no other parameter.
         let parameter = name.as_deref().map(str::trim).filter(|name| !name.is_empty());
         let found = parameter.and_then(|parameter| find(layers, &format!("parameters.{parameter}")));
-        let Some(found) = found.filter(|found| found.trace.whole) else { break };
-        name.clone_from(&found.trace.text);
+        let Some(found) = found.filter(|found| found.whole) else { break };
+        name.clone_from(&found.text);
         definition = Some(found);
     }
     definition
 }
 
-/// How far a path leads into a text.
-#[derive(Debug, Clone, PartialEq)]
-struct Trace {
-    /// Bytes of the key of the last part that was found; those of the whole list or table for a row.
-    key: Range<usize>,
-    /// Bytes of its value; of a row of a list those of its name, if it has one.
-    value: Range<usize>,
-    /// The value if it is a text.
-    text: Option<String>,
-    /// Number of bytes of the path that were found.
-    found: usize,
-    /// True if all of it was found.
-    whole: bool,
-}
-
 /// Follows `path`; none if not even its first part is there. Rows by number are followed only if `numbered_rows`.
-fn trace(document: &DeTable<'_>, path: &str, numbered_rows: bool) -> Option<Trace> {
+fn trace<'t>(layer: &'t Layer, document: &DeTable<'_>, path: &str, numbered_rows: bool) -> Option<Found<'t>> {
     let (key, mut value, mut rest) = in_table(document, path)?;
     let mut key_span = key.span();
     let mut is_row = false;
@@ -197,7 +179,9 @@ fn trace(document: &DeTable<'_>, path: &str, numbered_rows: bool) -> Option<Trac
         (key_span, value, rest, is_row) = (span, next, left, row);
     }
     let name = value.get_ref().as_table().filter(|_| is_row).and_then(|row| row.get("name"));
-    Some(Trace {
+    Some(Found {
+        file: &layer.file,
+        source: &layer.text,
         key: key_span,
         value: name.map_or_else(|| value.span(), Spanned::span),
         text: value.get_ref().as_str().map(str::to_owned),
@@ -266,7 +250,8 @@ name = "push.x"
     /// The pieces of the text that key and value of a path are, and whether it leads to its end.
     fn found(path: &str, numbered_rows: bool) -> Option<(&'static str, &'static str, bool)> {
         let document = DeTable::parse(TEXT).unwrap();
-        let found = trace(document.get_ref(), path, numbered_rows)?;
+        let layer = Layer { file: "s".into(), text: TEXT.into(), imported: vec![] };
+        let found = trace(&layer, document.get_ref(), path, numbered_rows)?;
         Some((&TEXT[found.key], &TEXT[found.value], found.whole))
     }
 

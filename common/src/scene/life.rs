@@ -2,7 +2,6 @@
 
 use super::body_row::{BodyRow, MotionWord};
 use super::context::Range;
-use super::drive::{Curve, Drive, Over, Table};
 use super::elements::OutputRow;
 use super::faults::{FaultKind, in_first_unit};
 use super::joint::JointKind;
@@ -14,6 +13,7 @@ use super::quantity::{ANGLE, TIME};
 use super::section::Section;
 use super::simulator::checkpoints;
 use super::tables::{repetitions, span};
+use super::values::{Curve, Drive, Over, Table};
 use std::f64::consts::TAU;
 use toml::Value;
 

@@ -1,10 +1,9 @@
 //! Loads on bodies: springs, forces, torques, motors and drags.
 
 use super::context::Range;
-use super::drive::Curve;
 use super::key_table::{ElementKind, Form, Key, Value, elements};
-use super::output_values::Attachment;
 use super::quantity::*;
+use super::values::{Attachment, Curve};
 
 /// Size of a load in a drawing, with keys in braces in the places of their values; of several keys the first one whose value is not zero.
 pub type SizeWords = &'static str;

@@ -7,10 +7,10 @@
 //! | layer | modules | content |
 //! |---|---|---|
 //! | values | [`quantity`], [`expression`], `expression_error` | dimensions and units; evaluation of `"2 * arm + 1 mm"`, and why a text has no value |
-//! | model | [`model`], `choice`, `joint`, `mesh`, `drive`, `key_table`, `load`, `output`, `output_values`, `wear_model`, `explained` | the types of a checked scene, all exported here |
+//! | model | [`model`], `choice`, `joint`, `values`, `key_table`, `load`, `output`, `wear_model`, `explained` | the types of a checked scene, all exported here |
 //! | faults | [`faults`], `location`, `layers`, `unit_advice` | what is wrong, with file, line, column, key, value and allowed range |
 //! | reading | `document`, `extends`, `csv_file`, `csv_import`, `samples_file`, `context`, `section`, `section_tables`, `input` | one pass over the file that records every fault |
-//! | readers | `bodies`, `shape`, `joints`, `clearance`, `key_reading`, `elements`, `tables`, `life`, `simulator`, `variables`, `variable_law`, `conditions` | one part of a file each |
+//! | readers | `bodies`, `joints`, `clearance`, `key_reading`, `elements`, `tables`, `life`, `simulator`, `variables`, `variable_law`, `conditions` | one part of a file each |
 //! | whole | `resolve`, `conditioned`, `edit`, `warnings`, `builtin`, [`source`], `setting` | all parts together; warnings; `extends`; changed texts; the built-in scenes and their published results; samples; values set by name |
 
 mod bodies;
@@ -24,7 +24,6 @@ mod context;
 mod csv_file;
 mod csv_import;
 mod document;
-mod drive;
 mod edit;
 mod elements;
 mod explained;
@@ -39,30 +38,26 @@ mod key_reading;
 mod key_table;
 mod layers;
 mod life;
-mod limit_state;
 mod load;
 mod location;
-mod mesh;
 pub mod model;
 #[cfg(test)]
 mod model_tests;
 pub mod monotone;
-mod moved;
 mod output;
 mod output_unit;
-mod output_values;
 pub mod quantity;
 mod resolve;
 mod samples_file;
 mod section;
 mod section_tables;
 mod setting;
-mod shape;
 mod simulator;
 pub mod source;
 mod tables;
 mod unit_advice;
 mod units;
+mod values;
 mod variable_law;
 mod variables;
 mod warnings;
@@ -70,32 +65,31 @@ mod wear_model;
 
 pub use context::{Range, number_and_unit, read_quantity};
 pub use csv_file::{Cell, CsvRow, csv_rows};
-pub use drive::{Curve, Drive, Over, Table};
 pub use explained::filled;
 pub use extends::read_input as read_text;
 pub use faults::{Fault, FaultKind, Faults, nearest};
 pub use input::{InputFile, read_rows};
 pub use joint::{
     Clearance, ContactDamping, ContactLaw, ControlPoints, GuideClearance, GuideWear, IdealFriction, Joint,
-    JointKind, Material, RestitutionLaw, WearingSurfaces,
+    JointKind, Material, Mesh, MeshForm, RestitutionLaw, WearingSurfaces,
 };
 pub use key_table::{ElementKind, Form, Key, Value};
-pub use limit_state::{Fails, LimitState};
 pub use load::Load;
 pub use location::Location;
-pub use mesh::{Mesh, MeshForm};
 pub use model::{
-    Body, Condition, CycleProgram, CycleTier, Exchange, ExternalSimulator, FileExchange, Gives, Life,
-    MassProperties, Motion, Point, Program, Scene, SimulatorKind, StudySettings, UmBridgeModel,
+    Body, Condition, CycleProgram, CycleTier, ExternalSimulator, FileExchange, Life, MassProperties, Motion,
+    Point, Program, Scene, SimulatorKind, StudySettings, UmBridgeModel,
 };
-pub use output::{Output, OutputKind};
+pub use output::{Fails, LimitState, Output, OutputKind};
 pub use output_unit::OutputUnit;
-pub use output_values::{Attachment, ErrorMeasure, HeldInput, ImpactMeasure, SignedBody, WearQuantity};
 pub use samples_file::samples_of;
 pub use section::{Section, VALUE_LIMIT};
 pub use simulator::{LEVEL_COST, REQUEST_FILE};
 pub use source::{SceneSource, published_results};
 pub use units::Units;
+pub use values::{
+    Attachment, Curve, Drive, ErrorMeasure, HeldInput, ImpactMeasure, Over, SignedBody, Table, WearQuantity,
+};
 pub use variable_law::{DEFAULT_LAW, LAWS};
 pub use variables::MeasuredVariable;
 pub use warnings::Warning;

@@ -2,14 +2,14 @@
 //!
 //! Planar, SI units, angles counter-clockwise from +x. Bodies are referred to by index into [`Scene::bodies`].
 
-use super::drive::Drive;
+use super::choice::choice;
 use super::joint::Joint;
-use super::limit_state::LimitState;
+use super::key_table::Value;
 use super::load::Load;
-use super::output::Output;
+use super::output::{LimitState, Output, OutputKind};
 use super::output_unit::OutputUnit;
-use super::output_values::Attachment;
 use super::units::Units;
+use super::values::{Attachment, Drive};
 use super::wear_model::WearModel;
 use crate::accuracy::NamedAccuracy;
 use crate::random::{Correlation, RandomVariable};
@@ -71,8 +71,8 @@ pub struct ExternalSimulator {
     pub timeout: f64,
     /// Version of the simulator in its author's words; empty if the scene states none.
     pub version: String,
-    /// What a request is answered by.
-    pub gives: Gives,
+    /// The cycles by which it replies; `None`: it gives the outputs over a whole life.
+    pub cycles: Option<CycleProgram>,
     /// Names of its levels of accuracy, from the coarsest to the finest; empty if it has none.
     pub levels: Vec<String>,
     /// Cost of an evaluation over that of one at the next coarser level [1].
@@ -81,17 +81,7 @@ pub struct ExternalSimulator {
     pub finest_is_exact: bool,
 }
 
-/// What a simulator gives in reply to a sample.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
-pub enum Gives {
-    /// The outputs over a whole life.
-    #[default]
-    Life,
-    /// The contacts of one cycle on the surfaces as worn so far.
-    Cycle(CycleProgram),
-}
-
-/// A program that gives cycles.
+/// A program that gives the contacts of one cycle on the surfaces as worn so far.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct CycleProgram {
     /// What its cycles depend on.
@@ -100,18 +90,13 @@ pub struct CycleProgram {
     pub journal: Option<String>,
 }
 
-/// What the cycles of a program depend on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub enum CycleTier {
+choice! {
+    /// What the cycles of a program depend on.
+    pub enum CycleTier;
     /// Joints with clearance, on the surfaces of the request.
-    Contact,
+    "contact" => Contact "gives cycles on the worn surfaces of its joints"
     /// Ideal joints, whose reactions depend on no surface: one cycle serves a whole life.
-    Reaction,
-}
-
-impl CycleTier {
-    /// The words of the tiers in a scene.
-    pub const WORDS: [(&'static str, Self); 2] = [("contact", Self::Contact), ("reaction", Self::Reaction)];
+    "reaction" => Reaction "gives one cycle for a life, with ideal joints"
 }
 
 /// Ways to call an external simulator.
@@ -130,20 +115,10 @@ pub struct Program {
     pub command: Vec<String>,
     /// Folder in which the program runs; with files, the folder that has them.
     pub folder: String,
-    /// How it gets samples and returns results.
-    pub exchange: Exchange,
+    /// Files by which it gets samples and returns results; `None`: lines of JSON over standard input and output.
+    pub exchange: Option<FileExchange>,
     /// The FMU that it runs, in the folder.
     pub fmu: Option<String>,
-}
-
-/// How a program gets samples and returns results.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
-pub enum Exchange {
-    /// Lines of JSON over standard input and output of a program that keeps running.
-    #[default]
-    Lines,
-    /// Files in a working folder of each evaluation, in which the program runs once.
-    Files(FileExchange),
 }
 
 /// The files of a working folder. All names are relative, without `..`.
@@ -178,6 +153,50 @@ impl Scene {
     pub fn arm(&self, place: &Attachment) -> [f64; 2] {
         let origin = self.bodies[place.body].motion.base_point();
         [place.position[0] - origin[0], place.position[1] - origin[1]]
+    }
+
+    /// The scene with its mechanism moved by `by` `(2,)` [m] as a whole: fixed points, axes of drives, start positions and wanted
+    /// coordinates. The operating conditions are moved with it.
+    pub fn moved(&self, by: [f64; 2]) -> Scene {
+        let mut scene = self.clone();
+        let shift = |position: &mut [f64; 2]| (0..2).for_each(|k| position[k] += by[k]);
+        let mut fixed = Vec::with_capacity(scene.bodies.len());
+        for body in &mut scene.bodies {
+            fixed.push(body.motion == Motion::Fixed);
+            match &mut body.motion {
+                Motion::Fixed => body.points.iter_mut().for_each(|point| shift(&mut point.position)),
+                Motion::Driven { position, .. } | Motion::Free { start_position: position, .. } => {
+                    shift(position)
+                }
+            }
+        }
+        let place = |at: &mut Attachment| {
+            if fixed[at.body] {
+                shift(&mut at.position);
+            }
+        };
+        for joint in &mut scene.joints {
+            place(&mut joint.journal);
+            place(&mut joint.bushing);
+        }
+        for load in &mut scene.loads {
+            load.change(|value| {
+                if let Value::Place(at) = value {
+                    place(at);
+                }
+            });
+        }
+        for output in &mut scene.outputs {
+            if let OutputKind::PositionError { wanted, .. } = &mut output.kind {
+                for (curve, by) in wanted.iter_mut().zip(by) {
+                    curve.iter_mut().flat_map(|curve| &mut curve.table.value).for_each(|value| *value += by);
+                }
+            }
+        }
+        for condition in &mut scene.conditions {
+            condition.scene = condition.scene.moved(by);
+        }
+        scene
     }
 }
 

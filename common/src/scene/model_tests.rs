@@ -1,6 +1,6 @@
 //! Limit states and defaults of a study.
 
-use super::limit_state::{Fails, LimitState};
+use super::output::{Fails, LimitState};
 use crate::scene::SceneSource;
 
 #[test]

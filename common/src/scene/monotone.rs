@@ -6,7 +6,7 @@
 //! # Source
 //! Fritsch, Carlson (1980), SIAM J. Numer. Anal. 17, 238-246; Fritsch, Butland (1984), SIAM J. Sci. Stat. Comput. 5, 300-304.
 
-use super::drive::Table;
+use super::values::Table;
 
 /// Slope at a point between two intervals of length `h0`, `h1` with secants `s0`, `s1`; zero where these have
 /// opposite signs.

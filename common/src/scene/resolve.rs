@@ -9,8 +9,7 @@ use super::elements::{limit_states, loads, outputs};
 use super::faults::{Fault, FaultKind, Faults};
 use super::joints::joints;
 use super::life::life;
-use super::limit_state::LimitState;
-use super::model::{ExternalSimulator, Life, Scene, StudySettings};
+use super::model::{Life, Scene, StudySettings};
 use super::quantity::{ACCELERATION, Quantity};
 use super::section::{COUNT_LIMIT, Section, VALUE_LIMIT};
 use super::simulator::{Model, cycles, external, simulator};
@@ -54,19 +53,19 @@ pub(super) fn resolve(
         }
     }
     let variables_written = document.get("variables").and_then(toml::Value::as_array).map_or(0, Vec::len);
-    let parts = Parts::read(&mut file, variables_written);
+    let (changes, life, limits, scene) = parts(&mut file, variables_written);
     let mut conditions = Vec::new();
-    if parts.changes() != Changes::None {
-        conditions = condition_rows(&mut file, parts.model.life.as_ref());
+    if changes != Changes::None {
+        conditions = condition_rows(&mut file, life.as_ref());
     }
     // The parameters of a variable or a correlation are no quantities of the scene that an override could set.
     let seen = cx.seen.take();
-    let scene = Changed { may: parts.changes(), seen: &seen, is_faulty: cx.fault_count() > 0 };
+    let changed = Changed { may: changes, seen: &seen, is_faulty: cx.fault_count() > 0 };
     let (mut read, mut correlated) = (vec![], vec![]);
     if with_variables {
-        read = variables(&mut file, scene);
-        correlated = correlations(&mut file, &read, scene.is_faulty);
-        if !read.is_empty() && parts.limit_states.is_empty() {
+        read = variables(&mut file, changed);
+        correlated = correlations(&mut file, &read, changed.is_faulty);
+        if !read.is_empty() && limits == 0 {
             file.missing("limit_states", "at least one limit state for a study");
         }
     } else {
@@ -79,7 +78,7 @@ pub(super) fn resolve(
             file.reference(key, "quantity", key, seen.keys().map(String::as_str));
         }
     }
-    match parts.scene() {
+    match scene {
         Some(scene) if cx.fault_count() == 0 => {
             let (variables, measured): (_, Vec<_>) = read.into_iter().filter_map(|(_, read)| read).unzip();
             let mut scene = Scene { variables, correlations: correlated, ..scene };
@@ -115,56 +114,33 @@ fn without_followers(mut faults: Vec<Fault>) -> Vec<Fault> {
     faults
 }
 
-/// The parts of a scene, as far as they could be read.
-struct Parts {
-    /// Name, title, and whether the control points are a part of the model.
-    head: Option<(String, String, bool)>,
-    /// The outer `None` for a mechanism, the inner one for a faulty simulator.
-    simulator: Option<Option<ExternalSimulator>>,
-    model: Model,
-    limit_states: Vec<Option<LimitState>>,
-    units: Option<Units>,
-    study: Option<(StudySettings, Levels)>,
-}
-
-impl Parts {
-    /// Reads the parts of a scene of `variables` random variables.
-    fn read(file: &mut Section, variables: usize) -> Self {
-        let head = head(file);
-        check_responsibility(file);
-        let simulator = simulator(file);
-        // A faulty simulator may still say that it gives cycles.
-        let gives = file.peek("simulator").and_then(|simulator| simulator.get("gives"));
-        let is_cycle = gives.and_then(toml::Value::as_str) == Some("cycle");
-        let model = match simulator {
-            Some(_) if is_cycle => cycles(file),
-            Some(_) => external(file),
-            None => mechanism(file),
-        };
-        if let Some(life) = &model.life {
-            check_size(file, life, model.outputs.len());
-        }
-        let limit_states = limit_states(file, &model.outputs);
-        let units = Units::read(file);
-        let study = study(file, simulator.is_none() || is_cycle, variables);
-        Parts { head, simulator, model, limit_states, units, study }
+/// The parts of a scene of `variables` random variables that are neither these nor conditions, as far as they could be read: what the variables
+/// may change, the life, the number of limit states, and the scene without the rest, unless a part is faulty.
+fn parts(file: &mut Section, variables: usize) -> (Changes, Option<Life>, usize, Option<Scene>) {
+    let head = head(file);
+    check_responsibility(file);
+    // The outer `None` for a mechanism, the inner one for a faulty simulator.
+    let simulator = simulator(file);
+    // A faulty simulator may still say that it gives cycles.
+    let gives = file.peek("simulator").and_then(|simulator| simulator.get("gives"));
+    let is_cycle = gives.and_then(toml::Value::as_str) == Some("cycle");
+    let (changes, model) = match simulator {
+        // The body that stands for the mechanism may be changed.
+        Some(_) if is_cycle => (Changes::Optional, cycles(file)),
+        Some(_) => (Changes::None, external(file)),
+        None => (Changes::Required, mechanism(file)),
+    };
+    if let Some(life) = &model.life {
+        check_size(file, life, model.outputs.len());
     }
-
-    /// What the random variables may change.
-    fn changes(&self) -> Changes {
-        match &self.simulator {
-            None => Changes::Required,
-            // The body that stands for the mechanism.
-            Some(_) if !self.model.bodies.is_empty() => Changes::Optional,
-            Some(_) => Changes::None,
-        }
-    }
-
-    /// The scene, its variables and correlations still empty; none if a part is faulty.
-    fn scene(self) -> Option<Scene> {
-        let (name, title, control_points_of_model) = self.head?;
-        let (study, (accuracy, levels)) = self.study?;
-        let Model { bodies, joints, loads, gravity, outputs, wear, life } = self.model;
+    let limit_states = limit_states(file, &model.outputs);
+    let units = Units::read(file);
+    let study = study(file, simulator.is_none() || is_cycle, variables);
+    let (life, limits) = (model.life, limit_states.len());
+    let scene = || {
+        let (name, title, control_points_of_model) = head?;
+        let (study, (accuracy, levels)) = study?;
+        let Model { bodies, joints, loads, gravity, outputs, wear, life } = model;
         Some(Scene {
             name,
             title,
@@ -176,17 +152,18 @@ impl Parts {
             conditions: Vec::new(),
             variables: Vec::new(),
             correlations: Vec::new(),
-            limit_states: self.limit_states.into_iter().collect::<Option<_>>()?,
-            units: self.units?,
+            limit_states: limit_states.into_iter().collect::<Option<_>>()?,
+            units: units?,
             control_points_of_model,
             wear: wear?,
             life: life?,
             study,
             accuracy,
             levels,
-            simulator: self.simulator.map_or(Some(None), |read| read.map(Some))?,
+            simulator: simulator.map_or(Some(None), |read| read.map(Some))?,
         })
-    }
+    };
+    (changes, life, limits, scene())
 }
 
 /// Reads a mechanism.

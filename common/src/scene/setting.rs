@@ -17,7 +17,7 @@ impl SceneSource {
                 let dimension = read_unit(&input.unit).map_or(Dimension::NONE, |unit| unit.dimension);
                 Some(Kind::from_dimension(dimension))
             }
-            (_, key) => self.quantities().get(key?).map(Quantity::kind),
+            (_, key) => self.quantities.get(key?).map(Quantity::kind),
         }
     }
 
@@ -59,14 +59,14 @@ impl SceneSource {
     pub fn unknown_setting(&self, name: &str) -> FaultKind {
         let (first, rest) = name.split_once('.').unwrap_or((name, ""));
         let written =
-            self.document().get(first).and_then(|top| rest.split('.').try_fold(top, |v, key| v.get(key)));
+            self.document.get(first).and_then(|top| rest.split('.').try_fold(top, |v, key| v.get(key)));
         if written.is_some_and(|value| !value.is_table() && !value.is_array()) {
             let message = "this key is no random variable and no quantity, and only those can be set; write a scene that \
                            `extends` this one and changes it";
             return message.into();
         }
         let variables = self.variables().iter().map(|variable| variable.name.as_str());
-        let keys = self.quantities().keys().map(String::as_str);
+        let keys = self.quantities.keys().map(String::as_str);
         let nearest = nearest(name, variables.clone().chain(keys.clone()));
         let is_path = name.contains('.') && keys.clone().next().is_some();
         let (what, known): (_, Vec<&str>) =

@@ -9,12 +9,11 @@ use super::clearance::materials;
 use super::context::Range;
 use super::elements::{OutputRow, typed_output, typed_words};
 use super::joints::{JointRow, worn_joint};
-use super::key_reading::Named;
 use super::key_table::Form;
 use super::load::Load;
 use super::model::{
-    CycleProgram, CycleTier, Exchange, ExternalSimulator, FileExchange, Gives, Life, Motion, Program,
-    SimulatorKind, UmBridgeModel,
+    CycleProgram, CycleTier, ExternalSimulator, FileExchange, Life, Motion, Program, SimulatorKind,
+    UmBridgeModel,
 };
 use super::output::OutputKind;
 use super::quantity::{NUMBER, TIME};
@@ -37,9 +36,9 @@ pub const REQUEST_FILE: &str = "request.json";
 pub(super) fn simulator(file: &mut Section) -> Option<Option<ExternalSimulator>> {
     file.get("simulator")?;
     let Some(mut section) = file.section_if_any("simulator") else { return Some(None) };
-    let life_or_cycle = gives(&mut section);
+    let given = cycle_program(&mut section);
     let read = record!(ExternalSimulator {
-        levels: levels(&mut section, life_or_cycle.as_ref()),
+        levels: levels(&mut section, given.as_ref().is_some_and(Option::is_some)),
         level_cost: with_levels(&mut section, "level_cost", |section, key| {
             section.quantity_or(key, NUMBER, Range::Within(1.0, 1000.0), LEVEL_COST)
         }),
@@ -48,7 +47,7 @@ pub(super) fn simulator(file: &mut Section) -> Option<Option<ExternalSimulator>>
         kind: kind(&mut section),
         timeout: section.quantity_or("timeout", TIME, Range::Positive, TIMEOUT),
         version: section.text_or("version", "a text, e.g. \"2024.1\"", "").map(str::to_owned),
-        gives: life_or_cycle,
+        cycles: given,
     });
     section.finish();
     Some(read)
@@ -82,7 +81,7 @@ fn fmu(section: &mut Section) -> Option<Program> {
     let mut command = [python?, "-m", "hingewise.fmu", file?].map(str::to_owned).to_vec();
     let fmu = Some(command[3].clone());
     command.extend(map?);
-    Some(Program { command, folder: folder?.to_owned(), exchange: Exchange::Lines, fmu })
+    Some(Program { command, folder: folder?.to_owned(), exchange: None, fmu })
 }
 
 /// The texts `NAME=VARIABLE` of a `map`, or of a table in it whose keys follow the text `before` in a name.
@@ -98,19 +97,19 @@ fn mapping(section: &Section, before: &str, map: &Value) -> Option<Vec<String>> 
     Some(map.iter().map(pair).collect::<Option<Vec<_>>>()?.concat())
 }
 
-/// Reads what a simulator gives, of `[simulator]`; none if it is faulty.
-fn gives(section: &mut Section) -> Option<Gives> {
+/// Reads the cycles that a simulator gives, of `[simulator]`; none if they are faulty.
+fn cycle_program(section: &mut Section) -> Option<Option<CycleProgram>> {
     let is_cycle = section.word_or("gives", &[("life", false), ("cycle", true)], false)?;
     if !is_cycle {
-        return Some(Gives::Life);
+        return Some(None);
     }
     let tier = section.word("tier", &CycleTier::WORDS);
     let journal = section.if_any("journal", |section, key| section.text(key, "a folder").map(str::to_owned));
-    Some(Gives::Cycle(CycleProgram { tier: tier?, journal: journal? }))
+    Some(Some(CycleProgram { tier: tier?, journal: journal? }))
 }
 
 /// Reads the names of the levels of accuracy; empty without any, none if they are faulty.
-fn levels(section: &mut Section, gives: Option<&Gives>) -> Option<Vec<String>> {
+fn levels(section: &mut Section, gives_cycles: bool) -> Option<Vec<String>> {
     let expected =
         "two or three names, from the coarsest to the finest, e.g. [\"coarse mesh\", \"fine mesh\"]";
     let names = section.if_any("levels", |section, key| section.texts(key, expected))?;
@@ -125,7 +124,7 @@ fn levels(section: &mut Section, gives: Option<&Gives>) -> Option<Vec<String>> {
     }
     let contradiction = if section.get("config").is_some_and(|config| config.get("level").is_some()) {
         "take the place of the key level of config, expected one of them"
-    } else if section.get("fmu").is_some() || gives.is_some_and(|gives| *gives != Gives::Life) {
+    } else if section.get("fmu").is_some() || gives_cycles {
         "are of a program that gives whole lives; an FMU has none, cycles have the accuracies of [study]"
     } else {
         return Some(names);
@@ -158,10 +157,10 @@ fn program(section: &mut Section) -> Option<Program> {
 }
 
 /// Lines over standard input and output, or files if there is a `results`.
-fn exchange(section: &mut Section) -> Option<Exchange> {
+fn exchange(section: &mut Section) -> Option<Option<FileExchange>> {
     if section.get("results").is_none() {
         if ["templates", "files"].map(|key| section.get(key).is_some()) == [false; 2] {
-            return Some(Exchange::Lines);
+            return Some(None);
         }
         let expected = "the file that the program writes, e.g. results = \"results.out\"";
         return section.missing("results", expected).and(None);
@@ -189,7 +188,7 @@ fn exchange(section: &mut Section) -> Option<Exchange> {
         let message = format!("and {REQUEST_FILE} are written for each evaluation, and cannot be inputs");
         return section.inconsistent("results", message).and(None);
     }
-    Some(Exchange::Files(exchange))
+    Some(Some(exchange))
 }
 
 fn file_names(section: &mut Section, key: &'static str) -> Option<Vec<String>> {
@@ -352,7 +351,7 @@ fn outputs(file: &mut Section, joints: &[JointRow]) -> Vec<OutputRow> {
     let words: Vec<_> = of_wear.flat_map(typed_words).collect();
     declared_outputs(file, |name, row| {
         if row.peek("type").is_some() {
-            return typed_output(name, row, &words, Named { bodies: &[], joints });
+            return typed_output(name, row, &words, &[], joints);
         }
         OutputRow::declared(name, row.text_or("unit", "a unit, as it is to be shown", ""), Some(false))
     })

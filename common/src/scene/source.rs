@@ -8,7 +8,7 @@ use super::edit::rewritten;
 use super::extends::{SCENE_FILE, flatten, read, unknown_scene};
 use super::faults::{Fault, FaultKind, Faults, in_unit};
 use super::input::InputFile;
-use super::layers::Layers;
+use super::layers::{Layer, located, location};
 use super::location::Location;
 use super::model::Scene;
 use super::quantity::Quantity;
@@ -27,12 +27,17 @@ use toml::Table;
 pub struct SceneSource {
     origin: String,
     text: String,
-    document: Table,
+    /// The tables of this scene as written, merged with those of the scenes that it extends.
+    pub document: Table,
     nominal: Scene,
-    seen: BTreeMap<String, Quantity>,
-    unused_parameters: Vec<String>,
-    measured: Vec<MeasuredVariable>,
-    layers: Layers,
+    /// The quantities that the scene writes, by the path of their key.
+    pub quantities: BTreeMap<String, Quantity>,
+    /// Parameters that nothing in the scene depends on, sorted: usually a typing error. A parameter that a random
+    /// variable changes is unused if nothing else reads it.
+    pub unused_parameters: Vec<String>,
+    /// The random variables that have measured samples, with these.
+    pub measured: Vec<MeasuredVariable>,
+    layers: Vec<Layer>,
 }
 
 impl SceneSource {
@@ -77,18 +82,18 @@ impl SceneSource {
 
     fn from_text(text: String, origin: &str, folder: Option<&Path>) -> Result<Self, Faults> {
         let (document, layers) = flatten(text, origin, folder)?;
-        Self::checked(document, layers.clone(), origin, folder).map_err(|faults| layers.located(faults))
+        Self::checked(document, layers.clone(), origin, folder).map_err(|faults| located(&layers, faults))
     }
 
     fn checked(
         mut document: Table,
-        layers: Layers,
+        layers: Vec<Layer>,
         origin: &str,
         folder: Option<&Path>,
     ) -> Result<Self, Faults> {
         let settled = settle_folder(&mut document, folder);
         // The text must stand alone where it is sent to and stored.
-        let text = match layers.0.as_slice() {
+        let text = match layers.as_slice() {
             [own] if !settled && own.imported.is_empty() => own.text.clone(),
             all => rewritten(&all.iter().map(|layer| &*layer.text).collect::<Vec<_>>(), &document),
         };
@@ -104,7 +109,7 @@ impl SceneSource {
             text,
             document,
             nominal: scene,
-            seen,
+            quantities: seen,
             unused_parameters,
             measured,
             layers,
@@ -135,11 +140,6 @@ impl SceneSource {
         &self.text
     }
 
-    /// The tables of this scene as written, merged with those of the scenes that it extends.
-    pub fn document(&self) -> &Table {
-        &self.document
-    }
-
     /// FNV-1a hash of the text, 128 bit, equal on every machine and in every version.
     pub fn digest(&self) -> u128 {
         digest(&self.text)
@@ -158,17 +158,6 @@ impl SceneSource {
     /// The means of the random variables `(d,)`, SI.
     pub fn means(&self) -> Vec<f64> {
         self.variables().iter().map(|variable| variable.distribution.parent_mean()).collect()
-    }
-
-    /// Parameters that nothing in the scene depends on, sorted: usually a typing error. A parameter that a random
-    /// variable changes is unused if nothing else reads it.
-    pub fn unused_parameters(&self) -> Vec<String> {
-        self.unused_parameters.clone()
-    }
-
-    /// The random variables that have measured samples, with these.
-    pub fn measured(&self) -> &[MeasuredVariable] {
-        &self.measured
     }
 
     /// What is valid but most likely not meant, with the path of the key.
@@ -204,20 +193,15 @@ impl SceneSource {
         found
     }
 
-    /// The quantities that the scene writes, by the path of their key.
-    pub fn quantities(&self) -> &BTreeMap<String, Quantity> {
-        &self.seen
-    }
-
     /// Value of the quantity at this key as the scene writes it [SI], whatever random variable changes it; `None` if there is no
     /// such quantity.
     pub fn quantity(&self, key: &str) -> Option<f64> {
-        self.seen.get(key).map(|quantity| quantity.value)
+        self.quantities.get(key).map(|quantity| quantity.value)
     }
 
     /// Place of a key in the texts of this scene and those it extends, or of the longest part of its path that they contain.
     pub fn location(&self, key: &str) -> Option<Location> {
-        self.layers.location(key)
+        location(&self.layers, key)
     }
 
     /// The nominal scene: every random variable at its mean.
@@ -269,7 +253,7 @@ impl SceneSource {
     /// # Errors
     /// An unknown key, or values that give an invalid scene.
     pub fn variables_with(&self, keys: &[(String, f64)]) -> Result<Vec<RandomVariable>, Faults> {
-        if let Some((key, _)) = keys.iter().find(|(key, _)| !self.seen.contains_key(key)) {
+        if let Some((key, _)) = keys.iter().find(|(key, _)| !self.quantities.contains_key(key)) {
             return Err(Faults::one(&self.origin, "", self.unknown_setting(key)));
         }
         if keys.is_empty() {

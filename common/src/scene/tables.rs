@@ -2,10 +2,10 @@
 
 use super::body_row::{BodyRow, MotionWord, body};
 use super::csv_import::SOURCE;
-use super::drive::{Curve, Over, Table};
 use super::faults::in_first_unit;
 use super::quantity::{ANGLE, Kind, TIME};
 use super::section::Section;
+use super::values::{Curve, Over, Table};
 use std::f64::consts::TAU;
 
 /// Values that should be equal may differ by this much of the largest one: the rounding of expressions, no more.
@@ -25,25 +25,11 @@ pub(super) fn span(table: &Table) -> f64 {
     table.at[table.at.len() - 1] - table.at[0]
 }
 
-/// The requirement that a repeated table sets on its points.
-#[derive(Clone, Copy, PartialEq)]
-pub(super) enum Repetition {
-    /// It ends with the value it starts with.
-    Closed,
-    /// It goes on from where it ended. Two points would be a straight line, for which there is a speed.
-    GoesOn,
-}
-
-/// Reads a table over time.
-pub(super) fn over_time(
-    row: &mut Section,
-    key: &'static str,
-    kind: Kind,
-    repetition: Repetition,
-) -> Option<Table> {
+/// Reads a table over time. One of angles goes on from where it ended, if it repeats; others end with the value they start with.
+pub(super) fn over_time(row: &mut Section, key: &'static str, kind: Kind) -> Option<Table> {
     let mut section = row.section(key, "a table { over, at, value, repeat }")?;
     let over = section.choice("over", "\"time\"", &[("time", TIME)]);
-    points(&mut section, over, kind, repetition)
+    points(&mut section, over, kind, kind == ANGLE)
 }
 
 /// Reads a table over time or over the angle of a body.
@@ -51,7 +37,7 @@ pub(super) fn curve(row: &mut Section, key: &'static str, kind: Kind, bodies: &[
     let mut section = row.section(key, "a table { over, at, value, repeat }")?;
     let over = over(&mut section, bodies);
     let arguments = over.map(|over| if over == Over::Time { TIME } else { ANGLE });
-    let table = points(&mut section, arguments, kind, Repetition::Closed)?;
+    let table = points(&mut section, arguments, kind, false)?;
     let over = over?;
     if table.repeat && matches!(over, Over::Angle(_)) && repetitions(TAU, span(&table)).is_none() {
         let span = in_first_unit(span(&table), ANGLE);
@@ -78,13 +64,9 @@ fn over(section: &mut Section, bodies: &[BodyRow]) -> Option<Over> {
     Some(Over::Angle(found))
 }
 
-/// Reads the points of a table whose arguments are of a known kind, unless `over` was faulty.
-fn points(
-    section: &mut Section,
-    arguments: Option<Kind>,
-    kind: Kind,
-    repetition: Repetition,
-) -> Option<Table> {
+/// Reads the points of a table whose arguments are of a known kind, unless `over` was faulty. Of one that `goes_on` two points would be a
+/// straight line, for which there is a speed.
+fn points(section: &mut Section, arguments: Option<Kind>, kind: Kind, goes_on: bool) -> Option<Table> {
     let at = match arguments {
         Some(arguments) => section.quantities("at", arguments),
         None => section.get("at").and(None),
@@ -98,7 +80,7 @@ fn points(
 
     let (arguments, at, mut value, repeat) = (arguments?, at?, value?, repeat?);
     let faults = section.cx.fault_count();
-    let needed = if repeat && repetition == Repetition::GoesOn { 3 } else { 2 };
+    let needed = if repeat && goes_on { 3 } else { 2 };
     if at.len() < needed {
         section.inconsistent("at", format!("has {} of the at least {needed} arguments of a table", at.len()));
     }
@@ -113,7 +95,7 @@ fn points(
     if section.cx.fault_count() > faults {
         return None;
     }
-    if repeat && repetition == Repetition::Closed {
+    if repeat && !goes_on {
         let (first, end) = (value[0], value.len() - 1);
         let largest = value.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
         if (value[end] - first).abs() > ROUNDING * largest {

@@ -4,8 +4,7 @@
 
 use super::context::{is_number_with_unit, number_and_unit, read_quantity};
 use super::expression::read_unit;
-use super::limit_state::LimitState;
-use super::output::{Output, OutputKind};
+use super::output::{LimitState, Output, OutputKind};
 use super::output_unit::{OutputUnit, ShownUnit};
 use super::quantity::*;
 use super::section::Section;

@@ -7,7 +7,9 @@ use super::context::Range;
 use super::faults::{FaultKind, in_first_unit};
 use super::quantity::{Kind, LENGTH, NUMBER, Quantity};
 use super::section::Section;
-use crate::random::{Distribution, Extreme, Feature, Fit, LawError, ToleranceClass, ToleranceError};
+use crate::random::{
+    Distribution, Extreme, Feature, LawError, ToleranceClass, ToleranceError, clearance_of_fit,
+};
 use std::collections::BTreeMap;
 use toml::Value;
 
@@ -210,7 +212,15 @@ impl WrittenFit {
         let diameter = row.quantity("diameter", LENGTH, Range::Positive);
         let capability = row.quantity_or("capability", NUMBER, Range::Within(0.1, 10.0), CAPABILITY);
         let (written, diameter, capability) = (written?, diameter?, capability?);
-        match moments(written, diameter, capability) {
+        let moments = if written.contains('/') {
+            clearance_of_fit(written, diameter, capability).map(|(mean, std)| (None, 0.5 * mean, 0.5 * std))
+        } else {
+            ToleranceClass::parse(written).and_then(|class| {
+                let (mean, std) = class.moments(diameter, capability)?;
+                Ok((Some(class.feature), 0.5 * (diameter + mean), 0.5 * std))
+            })
+        };
+        match moments {
             Ok((feature, mean, std)) => Some(Self { written: written.to_owned(), feature, mean, std }),
             Err(error @ ToleranceError::Diameter(_)) => {
                 row.inconsistent("diameter", error.to_string()).and(None)
@@ -244,20 +254,4 @@ impl WrittenFit {
         }
         Some((self.mean, self.std))
     }
-}
-
-/// Hole or shaft for a single class, and mean and standard deviation of its radius [m]; none and those of the radial
-/// clearance [m] for a fit.
-fn moments(
-    written: &str,
-    diameter: f64,
-    capability: f64,
-) -> Result<(Option<Feature>, f64, f64), ToleranceError> {
-    if written.contains('/') {
-        let (mean, std) = Fit::parse(written)?.clearance(diameter, capability)?;
-        return Ok((None, 0.5 * mean, 0.5 * std));
-    }
-    let class = ToleranceClass::parse(written)?;
-    let (mean, std) = class.moments(diameter, capability)?;
-    Ok((Some(class.feature), 0.5 * (diameter + mean), 0.5 * std))
 }

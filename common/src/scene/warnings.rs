@@ -5,11 +5,11 @@
 //!
 //! The bounds leave out what any material or machine can have; a value beyond them is wrong by a factor of ten at least.
 
-use super::drive::{Curve, Drive, Over};
 use super::joint::{Clearance, GuideClearance, Joint, JointKind, Material};
 use super::load::Load;
 use super::model::{Body, Motion, Scene};
 use super::monotone::monotone_integral;
+use super::values::{Curve, Drive, Over};
 use serde::Serialize;
 use std::f64::consts::PI;
 use std::fmt;
@@ -104,20 +104,16 @@ pub(super) fn magnitudes(scene: &Scene) -> Vec<Warning> {
     let mut found = Vec::new();
     let mut warn = |key: String, message: String| found.push(Warning::new(key, message));
     for (k, body) in scene.bodies.iter().enumerate() {
-        for (key, message) in of_body(scene, k, body) {
-            warn(format!("bodies.{}.{key}", body.name), message);
-        }
+        of_body(scene, k, body, &mut |key, message| warn(format!("bodies.{}.{key}", body.name), message));
     }
     for joint in &scene.joints {
-        let found = match &joint.kind {
-            JointKind::Clearance(clearance) => of_hinge(clearance),
+        let warn: &mut Warn = &mut |key, message| warn(format!("joints.{}.{key}", joint.name), message);
+        match &joint.kind {
+            JointKind::Clearance(clearance) => of_hinge(clearance, warn),
             JointKind::Guide(GuideClearance { wear: Some(wear), .. }) => {
-                of_wear(wear.coefficient, "slider_wear_coefficient", wear.slider_coefficient)
+                of_wear(wear.coefficient, "slider_wear_coefficient", wear.slider_coefficient, warn);
             }
-            _ => continue,
-        };
-        for (key, message) in found {
-            warn(format!("joints.{}.{key}", joint.name), message);
+            _ => {}
         }
     }
     let [x, y] = scene.gravity;
@@ -128,19 +124,21 @@ pub(super) fn magnitudes(scene: &Scene) -> Vec<Warning> {
     found
 }
 
+/// Takes a key of an element and the warning about it.
+type Warn<'w> = dyn FnMut(&str, String) + 'w;
+
 fn within(value: f64, (least, most): (f64, f64)) -> bool {
     (least..=most).contains(&value)
 }
 
-fn of_body(scene: &Scene, k: usize, body: &Body) -> Vec<(&'static str, String)> {
-    let mut found = Vec::new();
+fn of_body(scene: &Scene, k: usize, body: &Body, warn: &mut Warn) {
     match &body.motion {
         Motion::Driven { drive: Drive::ConstantSpeed { speed, .. }, .. } if speed.abs() > LARGEST_SPEED => {
             let turns = speed.abs() * 30.0 / PI;
-            found.push(("speed", format!("is {turns:.0} r/min, more than any machine has")));
+            warn("speed", format!("is {turns:.0} r/min, more than any machine has"));
         }
         Motion::Free { mass, inertia, centre_of_mass, .. } => {
-            let Some(size) = size(scene, k, body, *centre_of_mass) else { return found };
+            let Some(size) = size(scene, k, body, *centre_of_mass) else { return };
             let gyration = (inertia / mass).sqrt();
             if gyration > LARGEST_GYRATION * size {
                 let (gyration, size) = (1e3 * gyration, 1e3 * size);
@@ -148,7 +146,7 @@ fn of_body(scene: &Scene, k: usize, body: &Body) -> Vec<(&'static str, String)> 
                     "with the mass it gives a radius of gyration of {gyration:.4} mm, but no point of the body is farther from its centre of \
                      mass than {size:.4} mm: check the units of inertia and mass"
                 );
-                found.push(("inertia", message));
+                warn("inertia", message);
             }
             let density = mass / (2.0 * size).powi(3);
             if !within(density, DENSITIES) {
@@ -157,12 +155,11 @@ fn of_body(scene: &Scene, k: usize, body: &Body) -> Vec<(&'static str, String)> 
                     "is {mass:.3e} kg in a body of {width:.4} mm: a block of that size would have {density:.1e} kg/m^3 (steel: 7850): check \
                      the unit"
                 );
-                found.push(("mass", message));
+                warn("mass", message);
             }
         }
         _ => {}
     }
-    found
 }
 
 /// Largest distance of a point or joint of a link from its centre of mass [m]; none for sliders and bodies with a single joint, whose
@@ -180,8 +177,7 @@ fn size(scene: &Scene, k: usize, body: &Body, [a, b]: [f64; 2]) -> Option<f64> {
     (size > 0.0).then_some(size)
 }
 
-fn of_hinge(clearance: &Clearance) -> Vec<(&'static str, String)> {
-    let mut found = Vec::new();
+fn of_hinge(clearance: &Clearance, warn: &mut Warn) {
     let share = clearance.radial_clearance() / clearance.journal_radius;
     if share > LARGEST_CLEARANCE {
         let message = format!(
@@ -189,11 +185,11 @@ fn of_hinge(clearance: &Clearance) -> Vec<(&'static str, String)> {
              clearance",
             100.0 * share
         );
-        found.push(("journal_radius", message));
+        warn("journal_radius", message);
     }
     if clearance.width > 100.0 * clearance.journal_radius {
         let ratio = clearance.width / clearance.journal_radius;
-        found.push(("width", format!("is {ratio:.0} times the journal radius: check the unit")));
+        warn("width", format!("is {ratio:.0} times the journal radius: check the unit"));
     }
     for (key, Material { elastic_modulus, .. }) in
         [("journal_material", clearance.journal_material), ("bushing_material", clearance.bushing_material)]
@@ -202,25 +198,21 @@ fn of_hinge(clearance: &Clearance) -> Vec<(&'static str, String)> {
             let message = format!(
                 "has an elastic modulus of {elastic_modulus:.3e} Pa; steel has 2.06e11 Pa = 206 GPa, plastics of bearings have 4e8 to 1e10 Pa"
             );
-            found.push((key, message));
+            warn(key, message);
         }
     }
     let second = clearance.journal_wear_coefficient;
-    found.extend(of_wear(clearance.wear_coefficient, "journal_wear_coefficient", second));
-    found
+    of_wear(clearance.wear_coefficient, "journal_wear_coefficient", second, warn);
 }
 
-/// Keys and warnings about the wear coefficients of two surfaces, the second of which has the key `second_key` if it is given [1/Pa].
-fn of_wear(first: f64, second_key: &'static str, second: Option<f64>) -> Vec<(&'static str, String)> {
-    let both = [("wear_coefficient", Some(first)), (second_key, second)];
-    let given = both.into_iter().filter_map(|(key, wear)| Some((key, wear?)));
-    let unusual = given.filter(|(_, wear)| *wear > 0.0 && !within(*wear, WEAR));
-    let warning = |(key, wear): (&'static str, f64)| {
+/// Warns about the wear coefficients of two surfaces, the second of which has the key `second_key` if it is given [1/Pa].
+fn of_wear(first: f64, second_key: &str, second: Option<f64>, warn: &mut Warn) {
+    for (key, wear) in [("wear_coefficient", Some(first)), (second_key, second)] {
+        let Some(wear) = wear.filter(|wear| *wear > 0.0 && !within(*wear, WEAR)) else { continue };
         let per_work = 1e9 * wear;
         let usual = "lubricated steel has about 1e-17 to 1e-13 1/Pa: check the unit";
-        (key, format!("is {wear:.3e} 1/Pa = {per_work:.3e} mm^3/(N m); {usual}"))
-    };
-    unusual.map(warning).collect()
+        warn(key, format!("is {wear:.3e} 1/Pa = {per_work:.3e} mm^3/(N m); {usual}"));
+    }
 }
 
 #[cfg(test)]

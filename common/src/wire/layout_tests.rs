@@ -143,7 +143,7 @@ fn frames() -> Vec<Vec<u8>> {
     };
     let orders = [order(Subject::Scene("[scene]".into())), order(Subject::Simulator(beam()))];
     let replies = [Next::Idle { ask_again: 500 }, Next::Leave { campaign: 7 }];
-    let point = CandidatePoint { task: 5, sample: vec![0.5] };
+    let point = (5, vec![0.5]);
     let notices = [Notice::Batch { campaign: 6, points: vec![point] }, Notice::Ended { campaign: 7 }];
     let status = Status {
         program: "0.1.0".into(),

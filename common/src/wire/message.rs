@@ -186,14 +186,8 @@ pub enum Notice {
     },
 }
 
-/// A point of the sample space to be evaluated.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct CandidatePoint {
-    /// Number of the evaluation in the campaign.
-    pub task: u64,
-    /// Values of the scene's random variables `(d,)`, SI.
-    pub sample: Vec<f64>,
-}
+/// A point of the sample space to be evaluated: number of the evaluation in the campaign, and values of the scene's random variables `(d,)`, SI.
+pub type CandidatePoint = (u64, Vec<f64>);
 
 /// Longest name of a worker [bytes].
 pub const LONGEST_NAME: usize = 100;
@@ -243,7 +237,7 @@ impl Message for Notice {
 
     fn check(&self) -> Result<(), WireError> {
         let Notice::Batch { points, .. } = self else { return Ok(()) };
-        points.iter().try_for_each(|point| numbers::all_finite("sample", &point.sample))
+        points.iter().try_for_each(|(_, sample)| numbers::all_finite("sample", sample))
     }
 }
 
@@ -260,7 +254,7 @@ fn check_outcome(outcome: &Outcome) -> Result<(), WireError> {
     numbers::all_finite("wall time", &[outcome.wall])?;
     check_task(&outcome.task)?;
     let wrong = match &outcome.result {
-        Ok(evaluation) => numbers::find_non_finite(evaluation).map(|found| found.quantity),
+        Ok(evaluation) => numbers::find_non_finite(evaluation).map(|(quantity, _)| quantity),
         Err(failure) => (!numbers::failure_is_finite(failure)).then(|| "failure".to_owned()),
     };
     wrong.map_or(Ok(()), |quantity| Err(WireError::NotFinite(quantity)))

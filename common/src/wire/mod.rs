@@ -19,7 +19,6 @@ pub mod keys;
 mod layout_tests;
 pub mod message;
 mod numbers;
-mod reason;
 mod refused;
 pub mod status;
 #[cfg(test)]
@@ -32,9 +31,8 @@ pub use message::{
     CandidatePoint, Claim, Next, Notice, Offers, Outcome, Reply, Subject, Task, TaskKey, WorkOrder, WorkerId,
     is_worker_name, worker_name,
 };
-pub use numbers::{NonFinite, failure_is_finite, find_non_finite};
-pub use reason::reason;
-pub use refused::Refused;
+pub use numbers::{failure_is_finite, find_non_finite};
+pub use refused::{Refused, reason};
 pub use status::{FarmStatus, Phase, ReliabilitySoFar, ScaleStatus, Status, StudyStatus, WorkerStatus};
 
 /// Version of the messages. It changes with every change of their layout or meaning; there is no negotiation.

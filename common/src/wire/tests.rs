@@ -138,8 +138,7 @@ fn reply() -> impl Strategy<Value = Reply> {
 }
 
 fn notice() -> impl Strategy<Value = Notice> {
-    let point =
-        (any::<u64>(), vec(number(), 0..9)).prop_map(|(task, sample)| CandidatePoint { task, sample });
+    let point = (any::<u64>(), vec(number(), 0..9));
     prop_oneof![
         (any::<u64>(), vec(point, 0..9)).prop_map(|(campaign, points)| Notice::Batch { campaign, points }),
         any::<u64>().prop_map(|campaign| Notice::Ended { campaign }),

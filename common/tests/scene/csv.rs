@@ -45,7 +45,7 @@ fn columns_become_curves_and_distributions() {
     assert_eq!((torque.table.at.len(), torque.table.value[0]), (13, -0.1));
     assert_eq!(torque.table.at[1], 30.0 * std::f64::consts::PI / 180.0);
 
-    let found = source.measured();
+    let found = &source.measured;
     assert_eq!((found[0].name.as_str(), found[0].samples.len()), ("clearance_crank", 40));
     let gaps: Vec<f64> =
         CLEARANCES.lines().skip(2).map(|line| line.split_once(';').unwrap().1.parse().unwrap()).collect();
@@ -70,7 +70,7 @@ fn the_text_needs_no_csv_file() {
     assert!(!source.text().contains("csv ="));
     assert_eq!(alone.nominal(), source.nominal());
     assert_eq!((alone.text(), alone.digest()), (source.text(), source.digest()));
-    assert_eq!(alone.measured(), source.measured());
+    assert_eq!(alone.measured, source.measured);
     // Another value in a file is another scene.
     let other = changed("30,-0.125", "30,-0.126").unwrap();
     assert_ne!(other.digest(), source.digest());
@@ -79,7 +79,7 @@ fn the_text_needs_no_csv_file() {
 #[test]
 fn issue_values_of_a_csv_file_did_not_say_where_they_are_from() {
     let source = measured();
-    let document = source.document();
+    let document = &source.document;
     let row = |list: &str, name: &str| {
         let rows = document[list].as_array().unwrap();
         rows.iter().find(|row| row["name"].as_str() == Some(name)).unwrap().clone()
@@ -141,7 +141,7 @@ fn a_list_with_one_unit_is_the_list_with_units() {
         "{ unit = \"um\", values = [20.1, 22, 23, 24.7, 30] }",
     );
     assert_eq!(each.nominal().loads, once.nominal().loads);
-    assert_eq!(each.measured(), once.measured());
+    assert_eq!(each.measured, once.measured);
 }
 
 #[test]
@@ -230,5 +230,5 @@ fn a_scene_that_extends_changes_the_kind_of_a_distribution() {
     let again = SceneSource::load(path.to_str().unwrap()).unwrap();
     let law = &again.variables().iter().find(|v| v.name == "clearance_crank").unwrap().distribution;
     assert_eq!(law, &Distribution::normal(25e-6, 1e-6).unwrap());
-    assert_eq!(again.measured().len(), 1);
+    assert_eq!(again.measured.len(), 1);
 }

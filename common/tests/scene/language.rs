@@ -368,7 +368,7 @@ fn issue_loads_that_do_not_repeat_were_stepped_back_without_a_word() {
 
 #[test]
 fn parameters_that_nothing_reads_are_listed() {
-    let unused = |text: &str| SceneSource::parse(text, "my.toml").unwrap().unused_parameters();
+    let unused = |text: &str| SceneSource::parse(text, "my.toml").unwrap().unused_parameters;
     // `spread` is read by a random variable alone, `arm` by another parameter too.
     assert_eq!(unused(EVERYTHING), [""; 0]);
     // One that only an unused one reads is unused with it; what a random variable changes must be read by something.
@@ -379,6 +379,6 @@ fn parameters_that_nothing_reads_are_listed() {
     let text = text.replacen("wall = \"1 mm\"", "wall = \"alpha\"", 1);
     assert_eq!(unused(&text), [""; 0]);
     for name in SceneSource::builtin_names() {
-        assert_eq!(SceneSource::builtin(name).unwrap().unused_parameters(), [""; 0], "{name}");
+        assert_eq!(SceneSource::builtin(name).unwrap().unused_parameters, [""; 0], "{name}");
     }
 }

@@ -2,8 +2,8 @@
 
 use common::random::Distribution;
 use common::scene::{
-    Condition, CycleProgram, CycleTier, Exchange, Fails, FileExchange, Gives, JointKind, Life, OutputKind,
-    Program, SceneSource, SimulatorKind,
+    Condition, CycleProgram, CycleTier, Fails, FileExchange, JointKind, Life, OutputKind, Program,
+    SceneSource, SimulatorKind,
 };
 
 const BEAM: &str = r#"
@@ -72,7 +72,7 @@ fn a_study_of_a_program_is_read() {
     let command = vec!["python3".to_owned(), "beam.py".to_owned()];
     assert_eq!(
         simulator.kind,
-        SimulatorKind::Program(Program { command, folder: ".".into(), exchange: Exchange::Lines, fmu: None })
+        SimulatorKind::Program(Program { command, folder: ".".into(), exchange: None, fmu: None })
     );
     assert!(scene.bodies.is_empty() && scene.joints.is_empty() && scene.loads.is_empty());
     assert_eq!(scene.life.checkpoints(), [100, 200, 300]);
@@ -91,7 +91,7 @@ fn a_study_of_a_program_is_read() {
     assert_eq!((span.unit.as_str(), temperature.unit.as_str()), ("mm", "K"));
     assert!(span.changes.is_empty());
     assert_eq!(source.means(), [1.0, 293.0]);
-    assert!(source.unused_parameters().is_empty());
+    assert!(source.unused_parameters.is_empty());
 }
 
 #[test]
@@ -105,7 +105,7 @@ fn files_and_a_version_are_read() {
     let SimulatorKind::Program(program) = simulator.kind else { panic!() };
     let [results, template, file] = ["out/r.txt", "beam.inp", "mesh"].map(str::to_owned);
     let exchange = FileExchange { results, templates: vec![template], files: vec![file] };
-    assert_eq!(program.exchange, Exchange::Files(exchange));
+    assert_eq!(program.exchange, Some(exchange));
 }
 
 #[test]
@@ -341,9 +341,9 @@ const CYCLE: &str = include_str!("../scenes/cycle.toml");
 fn joints_of_a_program_that_gives_cycles_are_read() {
     let source = SceneSource::parse(CYCLE, "cycle.toml").unwrap();
     let scene = source.nominal();
-    let gives = &scene.simulator.as_ref().unwrap().gives;
+    let program = &scene.simulator.as_ref().unwrap().cycles;
     let journal = Some("cycles".to_owned());
-    assert_eq!(*gives, Gives::Cycle(CycleProgram { tier: CycleTier::Contact, journal }));
+    assert_eq!(*program, Some(CycleProgram { tier: CycleTier::Contact, journal }));
     assert_eq!((scene.life.period, scene.life.settle_cycles), (0.05, 1));
     assert_eq!(scene.accuracy.name, "draft");
     let JointKind::Clearance(pin) = &scene.joints[0].kind else { panic!("a joint with clearance") };
@@ -361,7 +361,7 @@ fn joints_of_a_program_that_gives_cycles_are_read() {
         worn.conditions.iter().map(of).collect::<Vec<_>>(),
         [expected("usual", 0.8, 3e-13), expected("hot", 0.2, 6e-13)]
     );
-    assert!(source.unused_parameters().is_empty());
+    assert!(source.unused_parameters.is_empty());
 }
 
 #[test]

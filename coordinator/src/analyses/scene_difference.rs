@@ -30,7 +30,7 @@ pub fn differing_keys(scenes: &[&SceneSource]) -> Vec<DifferingKey> {
 /// All values of a scene by the paths of their keys.
 fn written_values(scene: &SceneSource) -> BTreeMap<String, String> {
     let mut values = BTreeMap::new();
-    collect(&Value::Table(scene.document().clone()), "", &mut values);
+    collect(&Value::Table(scene.document.clone()), "", &mut values);
     values
 }
 

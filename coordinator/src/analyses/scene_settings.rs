@@ -97,7 +97,7 @@ fn edited(source: &SceneSource, settings: &[Setting]) -> Result<SceneSource, Fau
             let set = of_variable(k);
             let Some(row) = row(document, &variable.name).filter(|_| !set.is_empty()) else { continue };
             if moved.contains(&k) {
-                let measured = source.measured().iter().find(|measured| measured.name == variable.name);
+                let measured = source.measured.iter().find(|measured| measured.name == variable.name);
                 let samples = measured.map(|measured| measured.samples.as_slice());
                 move_values(row, variable, samples, &targets.variables()[k].distribution);
             } else {

@@ -159,7 +159,7 @@ fn issue_set_of_every_key_of_every_scene_is_the_edited_scene() {
     let mut seen = BTreeSet::new();
     for name in SceneSource::builtin_names() {
         let source = SceneSource::builtin(name).unwrap();
-        for (key, quantity) in source.quantities() {
+        for (key, quantity) in &source.quantities {
             let changed = |change: &String| change == key;
             if source.variables().iter().any(|variable| variable.changes.iter().any(changed)) {
                 continue; // Refused: its random variable is to be set.

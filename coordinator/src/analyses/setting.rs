@@ -58,7 +58,7 @@ pub fn parse_all(source: &SceneSource, settings: &[String], allowed: Allowed) ->
 pub fn is_scene_quantity(source: &SceneSource, key: &str) -> bool {
     let others = ["variables.", "limit_states.", "correlations"];
     source.variable(key).is_none()
-        && source.quantities().contains_key(key)
+        && source.quantities.contains_key(key)
         && !others.iter().any(|start| key.starts_with(start))
 }
 

@@ -119,7 +119,7 @@ fn run(arguments: &CheckArguments, verbosity: Verbosity) -> Done {
                 .map_err(failed)?;
         }
     }
-    let unused = source.unused_parameters();
+    let unused = &source.unused_parameters;
     let found = findings(&source, evaluation.as_ref());
     if verbosity.json {
         let warnings = found.warnings.iter().map(|Warning { key, message }| {

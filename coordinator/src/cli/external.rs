@@ -5,8 +5,8 @@ use super::signals::interruption;
 use super::{AccuracyArguments, CommandError, Done, FarmArguments, count, to_json};
 use common::external::SimulatorId;
 use common::scene::{
-    CycleTier, Exchange, ExternalSimulator, Fails, FileExchange, Gives, LimitState, OutputKind, Program,
-    Scene, SceneSource, SimulatorKind, UmBridgeModel,
+    ExternalSimulator, Fails, FileExchange, LimitState, OutputKind, Program, Scene, SceneSource,
+    SimulatorKind, UmBridgeModel,
 };
 use coordinator::farm::evaluate::external::on_slots;
 use coordinator::farm::evaluate::{EvaluateError, Evaluator, Finished, Request};
@@ -92,18 +92,15 @@ pub fn explain(out: &mut String, scene: &Scene, simulator: &ExternalSimulator) -
             writeln!(out, "  {of}, one request at a time per worker slot")?
         }
     }
-    match &simulator.gives {
-        Gives::Life => {
+    match &simulator.cycles {
+        None => {
             writeln!(out, "  an evaluation may take {} s", simulator.timeout)?;
             if !simulator.levels.is_empty() {
                 writeln!(out, "  levels, from the coarsest to the finest: {}", simulator.levels.join(", "))?;
             }
         }
-        Gives::Cycle(program) => {
-            let of = match program.tier {
-                CycleTier::Contact => "gives cycles on the worn surfaces of its joints",
-                CycleTier::Reaction => "gives one cycle for a life, with ideal joints",
-            };
+        Some(program) => {
+            let of = program.tier.explanation();
             writeln!(out, "  {of}; a cycle may take {} s", simulator.timeout)?;
             let joints: Vec<&str> = scene.joints.iter().map(|joint| joint.name.as_str()).collect();
             let accuracy = &scene.accuracy.name;
@@ -129,8 +126,8 @@ pub fn explain(out: &mut String, scene: &Scene, simulator: &ExternalSimulator) -
 fn exchange(program: &Program) -> String {
     let folder = &program.folder;
     match &program.exchange {
-        Exchange::Lines => format!("runs in {folder}, one process per worker slot, over lines of JSON"),
-        Exchange::Files(FileExchange { results, templates, files }) => {
+        None => format!("runs in {folder}, one process per worker slot, over lines of JSON"),
+        Some(FileExchange { results, templates, files }) => {
             let from: Vec<&str> = templates.iter().chain(files).map(String::as_str).collect();
             let from = if from.is_empty() { String::new() } else { format!(" with {}", from.join(", ")) };
             format!("runs once per evaluation, in a folder{from} of {folder}, and writes {results}")

@@ -13,7 +13,7 @@ use common::scene::SceneSource;
 use common::wire::ScaleStatus;
 use coordinator::farm::allocation::{BatchSystem, ScaleSettings, Scaling};
 use coordinator::farm::dispatch::{
-    CampaignSimulator, CampaignSpec, CrossCheck, Listen, StatusBoard, Watch, Watched, ZenohEvaluator, watch,
+    CampaignSimulator, CampaignSpec, CrossCheck, Listen, StatusBoard, Watch, ZenohEvaluator, watch,
 };
 use coordinator::farm::evaluate::Evaluator;
 use coordinator::presentation::monitor::StatusSource;
@@ -21,6 +21,7 @@ use coordinator::presentation::terminal::print_message;
 use coordinator::results::summary::ScaleRow;
 use coordinator::study::Settings;
 use std::sync::Arc;
+use std::sync::mpsc::Sender;
 use std::time::{Duration, Instant};
 use worker::service::{self, ServiceConfig, Simulator, WorkerHandle};
 use worker::simulator::simulator;
@@ -88,7 +89,7 @@ impl CommandEvaluator {
     pub fn status(&self) -> (StatusBoard, StatusSource) {
         match self {
             Self::Workers(farm) => {
-                (farm.evaluator.status_board(), StatusSource::Farm(farm.evaluator.status_handle()))
+                (farm.evaluator.board.clone(), StatusSource::Farm(farm.evaluator.status_handle()))
             }
             Self::Simulator(_, slots) => {
                 let board = StatusBoard::default();
@@ -111,7 +112,7 @@ impl CommandEvaluator {
     /// The jobs that the study asked for of a batch system, if it did.
     pub fn scale_row(&self) -> Option<ScaleRow> {
         let Self::Workers(farm) = self else { return None };
-        let ScaleStatus { system, most, asked, failed, .. } = farm.evaluator.status_board().scale()?;
+        let ScaleStatus { system, most, asked, failed, .. } = farm.evaluator.board.scale()?;
         Some(ScaleRow { system, most, asked, failed })
     }
 
@@ -152,7 +153,7 @@ pub struct WorkerFarm {
     campaign: u64,
     /// Asks a batch system for workers.
     scaling: Option<Scaling>,
-    _watched: Option<Watched>,
+    _watched: Option<Sender<()>>,
 }
 
 impl WorkerFarm {
@@ -197,7 +198,7 @@ impl WorkerFarm {
         let watched = |endpoint: &String| {
             watch(endpoint.clone(), arguments.config.clone(), Watch::default(), || end_process(SILENT))
         };
-        let _watched = evaluator.endpoints().first().map(watched).transpose()?;
+        let _watched = evaluator.endpoints.first().map(watched).transpose()?;
         let (local, scaling) = (None, None);
         Ok(Self { evaluator, arguments, simulator, is_external, local, campaign, scaling, _watched })
     }
@@ -208,7 +209,7 @@ impl WorkerFarm {
     /// [`CommandError::Worker`].
     pub fn start_workers(&mut self) -> Done {
         let slots = local_slots(&self.arguments);
-        let endpoint = self.evaluator.endpoints().first().cloned();
+        let endpoint = self.evaluator.endpoints.first().cloned();
         let spawn = |endpoint| {
             let zenoh_config = self.arguments.config.clone();
             // The learner and the dispatch run in this process too: simulations give way to them.
@@ -225,7 +226,7 @@ impl WorkerFarm {
                     "jobs on other machines cannot reach {endpoint}: --listen or --config sets another address"
                 );
             }
-            let (status, board) = (self.evaluator.status_handle(), self.evaluator.status_board());
+            let (status, board) = (self.evaluator.status_handle(), self.evaluator.board.clone());
             let scaling = Scaling::start(settings, (endpoint, self.campaign), status, board);
             self.scaling =
                 Some(scaling.map_err(|_| CommandError::Failed("workers cannot be asked for".to_owned()))?);
@@ -237,7 +238,7 @@ impl WorkerFarm {
     pub fn print_endpoints(&self) {
         if self.local.is_none() && self.scaling.is_none() {
             let more = if self.is_external { " --simulator FILE-OF-THIS-SCENE" } else { "" };
-            for endpoint in self.evaluator.endpoints() {
+            for endpoint in &self.evaluator.endpoints {
                 print_message(format_args!("waiting for workers: worker --connect {endpoint}{more}"));
             }
         }

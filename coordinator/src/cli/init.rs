@@ -88,7 +88,7 @@ mod tests {
     fn the_template_is_a_valid_scene_that_reads_all_its_parameters() {
         let source = SceneSource::parse(&TEMPLATE.replace(NAME, "press"), "press.toml").unwrap();
         assert_eq!(source.nominal().name, "press");
-        assert!(source.unused_parameters().is_empty());
+        assert!(source.unused_parameters.is_empty());
         assert!(!source.nominal().variables.is_empty() && source.nominal().limit_states.len() == 2);
         assert!(TEMPLATE.lines().filter(|line| line.starts_with('#')).count() > 30);
     }

@@ -35,7 +35,7 @@ struct FamilyTest {
 /// The measured variables of a scene with the tests of their families.
 pub fn measured_findings(source: &SceneSource) -> Vec<MeasuredFinding> {
     let unit = |name: &str| source.variable(name).map_or("1", |k| source.variables()[k].unit.as_str());
-    source.measured().iter().map(|measured| finding(measured, unit(&measured.name))).collect()
+    source.measured.iter().map(|measured| finding(measured, unit(&measured.name))).collect()
 }
 
 fn finding(measured: &MeasuredVariable, unit: &str) -> MeasuredFinding {

@@ -59,8 +59,7 @@ pub fn run(scene: &str, arguments: &RunArguments, verbosity: Verbosity) -> Done 
     } else {
         check_linkage(source.origin(), &source, scene)?;
     }
-    if let Some(confidence) = arguments.confidence.filter(|_| source.measured().is_empty() || space.is_some())
-    {
+    if let Some(confidence) = arguments.confidence.filter(|_| source.measured.is_empty() || space.is_some()) {
         let fault = "needs a variable with measured samples (samples = [...]), and no --design; `learn` takes what was observed of units";
         return Err(CommandError::refused(format!("--confidence {}", 100.0 * confidence), fault));
     }

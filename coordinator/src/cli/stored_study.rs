@@ -197,7 +197,7 @@ impl OpenedStudy {
         let learned = learn_from_results(scene, self.study.scene(), &self.settings, &self.outcomes()?)
             .map_err(|error| failed(error, dir))?;
         let model = LifeModel::new(scene, &learned);
-        let fault = match uncertain_fits(&model, changed.measured(), scene) {
+        let fault = match uncertain_fits(&model, &changed.measured, scene) {
             Ok(fits) if !fits.is_empty() => {
                 return Ok(fitted_reliability(scene, model, &fits, confidence, self.settings.seed));
             }

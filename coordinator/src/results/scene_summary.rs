@@ -165,7 +165,7 @@ mod tests {
     fn every_distribution_has_its_word() {
         let everything = include_str!("../../../common/tests/scenes/everything.toml");
         let source = SceneSource::parse(everything, "everything").unwrap();
-        let written = source.document()["variables"].as_array().unwrap().iter().map(|row| {
+        let written = source.document["variables"].as_array().unwrap().iter().map(|row| {
             row.get("distribution").map_or("truncated-normal", |word| word.as_str().unwrap()).to_owned()
         });
         let rows = variable_rows(source.nominal());

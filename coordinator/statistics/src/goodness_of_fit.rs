@@ -14,7 +14,7 @@
 //! Anderson, Darling (1954), A test of goodness of fit, JASA 49, 765-769; Stute, Gonzalez Manteiga, Presedo Quindimil (1993), Bootstrap based
 //! goodness-of-fit tests, Metrika 40, 243-256.
 
-use common::random::{Family, LocationScale, Tail};
+use common::random::{Family, Tail};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -48,7 +48,7 @@ pub fn anderson_darling(family: Family, samples: &[f64]) -> GoodnessOfFit {
 
 /// A^2 of values in the form of the family `(n,)` against its fit to them [1].
 fn fitted_statistic(family: Family, mut y: Vec<f64>) -> f64 {
-    let LocationScale { location, scale } = family.standard_fit(&y);
+    let (location, scale) = family.standard_fit(&y);
     y.sort_by(f64::total_cmp);
     let n = y.len();
     let z = |i: usize| (y[i] - location) / scale;

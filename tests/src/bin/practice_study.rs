@@ -53,7 +53,7 @@ fn coordinate(
     let listen = Listen { endpoint: Some(endpoint.into()), config, insecure: true };
     let mut evaluator = ZenohEvaluator::open(study.campaign(resumed), &listen, Arc::default())?;
     println!("listening");
-    let (started, connected) = (Instant::now(), evaluator.connected_workers());
+    let (started, connected) = (Instant::now(), evaluator.connected.clone());
     std::thread::spawn(move || {
         let mut known: Vec<String> = Vec::new();
         loop {

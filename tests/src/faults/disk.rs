@@ -74,7 +74,7 @@ pub fn slow_disk(takes: Duration, samples: usize) -> Report {
             std::thread::sleep(Duration::from_millis(1));
             evaluation(sample)
         };
-        let config = ServiceConfig { name: name.into(), ..ServiceConfig::new(&evaluator.endpoints()[0], 1) };
+        let config = ServiceConfig { name: name.into(), ..ServiceConfig::new(&evaluator.endpoints[0], 1) };
         service::spawn(config, Arc::new(ClosureSimulator(simulate)))
             .expect("a session to a loopback endpoint opens")
     });

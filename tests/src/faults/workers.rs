@@ -20,7 +20,7 @@ fn disturbed_study<T: Send>(
     let listen = Listen { endpoint: Some(endpoint.clone()), config: None, insecure: false };
     let campaign = study.campaign(false);
     let mut evaluator = ZenohEvaluator::open(campaign, &listen, Arc::default()).expect("it can listen");
-    let connected = evaluator.connected_workers();
+    let connected = evaluator.connected.clone();
     let (ran, disturbed) = std::thread::scope(|scope| {
         let disturb = scope.spawn(|| disturb(&endpoint, &connected));
         let ran = study.run(&mut evaluator, &mut journal);

@@ -33,9 +33,9 @@ fn studied(build: Option<Build>) -> (String, Vec<String>) {
     let (mut journal, _) = study.journal(folder.path()).unwrap();
     let campaign = CampaignSpec { build, ..study.campaign(false) };
     let mut evaluator = ZenohEvaluator::open(campaign, &Listen::default(), Arc::default()).unwrap();
-    let config = ServiceConfig { name: "other".into(), ..ServiceConfig::new(&evaluator.endpoints()[0], 1) };
+    let config = ServiceConfig { name: "other".into(), ..ServiceConfig::new(&evaluator.endpoints[0], 1) };
     let other = service::spawn(config, Arc::new(OtherBuild)).unwrap();
-    assert!(evaluator.wait_for_workers(PATIENCE, |workers| workers.len() == 1));
+    assert!(evaluator.connected.wait_for(PATIENCE, |workers| workers.len() == 1));
     let same = worker(&evaluator, "same", 1, |sample| {
         // The other worker gets its share.
         std::thread::sleep(std::time::Duration::from_millis(5));

@@ -26,7 +26,7 @@ fn counting(config: ServiceConfig, takes: Duration) -> (WorkerHandle, Arc<Atomic
 }
 
 fn named(name: &str, coordinator: &ZenohEvaluator, slots: usize) -> ServiceConfig {
-    ServiceConfig { name: name.into(), ..ServiceConfig::new(&coordinator.endpoints()[0], slots) }
+    ServiceConfig { name: name.into(), ..ServiceConfig::new(&coordinator.endpoints[0], slots) }
 }
 
 #[test]
@@ -42,7 +42,7 @@ fn an_idle_worker_leaves_and_a_busy_one_stays() {
         assert_eq!(handle.join().unwrap(), Departure::Idle);
         assert_eq!(count.load(Ordering::SeqCst), 5);
         assert!(idle.elapsed() < PATIENCE / 2);
-        assert!(coordinator.wait_for_workers(PATIENCE, <[_]>::is_empty));
+        assert!(coordinator.connected.wait_for(PATIENCE, <[_]>::is_empty));
     });
 }
 
@@ -54,7 +54,7 @@ fn a_worker_leaves_in_time_and_starts_no_task_it_cannot_finish() {
         let config = ServiceConfig { walltime: Some(walltime), ..named("batch", &coordinator, 1) };
         let started = Instant::now();
         let (handle, count) = counting(config, Duration::from_millis(500));
-        let endpoint = coordinator.endpoints()[0].clone();
+        let endpoint = coordinator.endpoints[0].clone();
         let relay = std::thread::spawn(move || {
             let left = handle.join().unwrap();
             (left, started.elapsed(), worker_at(&endpoint, "after", 1, practice_result))
@@ -84,7 +84,7 @@ fn a_worker_leaves_in_time_and_starts_no_task_it_cannot_finish() {
 fn a_stopped_worker_finishes_its_task_within_the_drain_time() {
     in_time(|| {
         let mut coordinator = coordinator();
-        let endpoint = coordinator.endpoints()[0].clone();
+        let endpoint = coordinator.endpoints[0].clone();
         let (begun, started) = channel();
         let hold = Arc::new(Barrier::default());
         let held = Arc::clone(&hold);
@@ -98,7 +98,7 @@ fn a_stopped_worker_finishes_its_task_within_the_drain_time() {
         let others = AtomicUsize::new(0);
         let staying = std::thread::spawn(move || {
             assert_eq!(started.recv_timeout(PATIENCE).unwrap(), 0.0);
-            leaving.stopper().stop();
+            leaving.stopper.stop();
             // Another worker evaluates the other tasks meanwhile.
             let staying = worker_at(&endpoint, "staying", 1, move |sample| {
                 if others.fetch_add(1, Ordering::SeqCst) == 3 {
@@ -129,7 +129,7 @@ fn a_stopped_worker_finishes_its_task_within_the_drain_time() {
 fn the_last_task_of_a_slow_worker_goes_to_an_idle_one_too() {
     in_time(|| {
         let mut coordinator = coordinator();
-        let endpoint = coordinator.endpoints()[0].clone();
+        let endpoint = coordinator.endpoints[0].clone();
         let hold = Arc::new(Barrier::default());
         let held = Arc::clone(&hold);
         let (begun, started) = channel();
@@ -163,11 +163,11 @@ fn the_last_task_of_a_slow_worker_goes_to_an_idle_one_too() {
 fn two_studies_share_a_worker_and_one_gets_all_slots_when_the_other_ends() {
     in_time(|| {
         let (mut first, mut second) = (coordinator(), coordinator());
-        let connect = vec![first.endpoints()[0].clone(), second.endpoints()[0].clone()];
+        let connect = vec![first.endpoints[0].clone(), second.endpoints[0].clone()];
         let config = ServiceConfig { connect, name: "shared".into(), ..ServiceConfig::new("", 2) };
         let (handle, _) = counting(config, Duration::from_millis(20));
         let both = |w: &[_]| w.len() == 1;
-        assert!(first.wait_for_workers(PATIENCE, both) && second.wait_for_workers(PATIENCE, both));
+        assert!(first.connected.wait_for(PATIENCE, both) && second.connected.wait_for(PATIENCE, both));
         // The progress of the second study when the first has half of its outcomes; then the first one fails.
         let done = Arc::new(AtomicUsize::new(0));
         let (seen, half) = (Arc::clone(&done), 50);
@@ -202,7 +202,7 @@ fn two_studies_share_a_worker_and_one_gets_all_slots_when_the_other_ends() {
         second.finish();
         // It left the second coordinator at the end of its campaign, and still tries to reach the first one.
         assert!(!handle.has_ended());
-        handle.stopper().abort();
+        handle.stopper.abort();
         assert_eq!(handle.join().unwrap(), Departure::Aborted);
     });
 }
@@ -211,7 +211,7 @@ fn two_studies_share_a_worker_and_one_gets_all_slots_when_the_other_ends() {
 fn a_staying_worker_serves_one_campaign_after_the_other() {
     in_time(|| {
         let first = coordinator();
-        let endpoint = first.endpoints()[0].clone();
+        let endpoint = first.endpoints[0].clone();
         let config =
             ServiceConfig { next_campaign: true, give_up_after: None, ..named("staying", &first, 1) };
         let (handle, count) = counting(config, Duration::ZERO);
@@ -222,7 +222,7 @@ fn a_staying_worker_serves_one_campaign_after_the_other() {
             campaign.finish();
             campaign = coordinator_at(Some(&endpoint), Arc::default());
         }
-        handle.stopper().stop();
+        handle.stopper.stop();
         assert_eq!(handle.join().unwrap(), Departure::Stopped { lost: 0 });
     });
 }

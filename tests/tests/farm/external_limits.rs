@@ -7,14 +7,14 @@ use common::external::SimulatorId;
 use common::failure::SimulationFailure;
 use common::scene::SceneSource;
 use coordinator::farm::dispatch::{CampaignSimulator, CampaignSpec, Listen, ZenohEvaluator};
-use coordinator::farm::evaluate::{EvaluateError, Evaluator, Finished, Request, external};
+use coordinator::farm::evaluate::{EvaluateError, Evaluator, Finished, Request};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 use tests::process::Process;
-use tests::{Outcomes, PATIENCE, in_time, program, stop, within};
+use tests::{Outcomes, PATIENCE, in_time, open_simulator, program, stop, within};
 
 /// Replies with the number of the evaluation; the evaluation with the number in its argument hangs, or all of them. A process
 /// that hangs notes its number and that of its child.
@@ -149,7 +149,7 @@ fn a_program_that_hangs_is_a_failed_evaluation_as_on_one_machine() {
         let study = Study::new();
         let file = study.file("3", "1 s");
         let mut coordinator = study.coordinator(None, Arc::default());
-        let _worker = study.worker(&coordinator.endpoints()[0], "w", &file, &[]);
+        let _worker = study.worker(&coordinator.endpoints[0], "w", &file, &[]);
         let (remote, _) = evaluate(&mut coordinator, 8).unwrap();
         // One attempt, whose whole process group has ended while the worker goes on.
         let hung = study.hanging(2);
@@ -160,7 +160,7 @@ fn a_program_that_hangs_is_a_failed_evaluation_as_on_one_machine() {
 
         let source = SceneSource::load(&file.display().to_string()).unwrap();
         let scene = source.nominal();
-        let mut local = external::open(scene.simulator.as_ref().unwrap(), scene, 2, Arc::default()).unwrap();
+        let mut local = open_simulator(scene, 2).unwrap();
         assert_eq!(evaluate(&mut *local, 8).unwrap().0, remote);
     });
 }
@@ -172,13 +172,13 @@ fn a_worker_whose_run_time_ends_returns_its_evaluations_and_ends_its_programs() 
         // With licences no evaluation goes to a second worker before.
         let mut coordinator = study.coordinator(Some(9), Arc::default());
         let mut short = study.worker(
-            &coordinator.endpoints()[0],
+            &coordinator.endpoints[0],
             "short",
             &study.file("all", "60 s"),
             &["--walltime", "5"],
         );
         let (outcomes, workers) = std::thread::scope(|scope| {
-            let endpoint = coordinator.endpoints()[0].clone();
+            let endpoint = coordinator.endpoints[0].clone();
             let evaluated = scope.spawn(|| evaluate(&mut coordinator, 8).unwrap());
             let hung = study.hanging(4);
             assert!(hung.iter().all(runs), "{hung:?}");
@@ -198,7 +198,7 @@ fn the_programs_of_a_killed_worker_end_with_it() {
         let study = Study::new();
         let interrupted = Arc::new(AtomicBool::new(false));
         let mut coordinator = study.coordinator(None, Arc::clone(&interrupted));
-        let mut worker = study.worker(&coordinator.endpoints()[0], "w", &study.file("all", "60 s"), &[]);
+        let mut worker = study.worker(&coordinator.endpoints[0], "w", &study.file("all", "60 s"), &[]);
         let evaluated = std::thread::spawn(move || evaluate(&mut coordinator, 2));
         let hung = study.hanging(4);
         assert!(hung.iter().all(runs), "{hung:?}");
@@ -214,7 +214,7 @@ fn programs_under_licences_end_while_their_worker_is_stopped() {
     within(2 * PATIENCE, || {
         let study = Study::new();
         let mut coordinator = study.coordinator(Some(2), Arc::default());
-        let endpoint = coordinator.endpoints()[0].clone();
+        let endpoint = coordinator.endpoints[0].clone();
         let stopped = study.worker(&endpoint, "stopped", &study.file("1", "60 s"), &[]);
         let (outcomes, workers, other) = std::thread::scope(|scope| {
             let evaluated = scope.spawn(|| evaluate(&mut coordinator, 2).unwrap());
@@ -245,7 +245,7 @@ fn programs_under_licences_end_without_contact_and_not_at_once() {
         let interrupted = Arc::new(AtomicBool::new(false));
         let mut coordinator = study.coordinator(Some(2), Arc::clone(&interrupted));
         let worker = study.worker(
-            &coordinator.endpoints()[0],
+            &coordinator.endpoints[0],
             "w",
             &study.file("all", "60 s"),
             &["--give-up-after", "0"],

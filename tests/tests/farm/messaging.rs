@@ -67,17 +67,17 @@ fn the_coordinator_lists_connected_workers_and_their_slots() {
         let coordinator = coordinator();
         let handles =
             [worker(&coordinator, "a", 3, practice_result), worker(&coordinator, "b", 2, practice_result)];
-        assert!(coordinator.wait_for_workers(PATIENCE, |w| w.iter().map(|w| w.slots).sum::<u32>() == 5));
+        assert!(coordinator.connected.wait_for(PATIENCE, |w| w.iter().map(|w| w.slots).sum::<u32>() == 5));
         assert_eq!(coordinator.concurrency(), 5);
         let names: Vec<String> = coordinator.workers().into_iter().map(|w| w.name).collect();
         assert_eq!(names, ["a", "b"]);
         let [a, b] = handles;
-        a.stopper().stop();
+        a.stopper.stop();
         assert_eq!(a.join().unwrap(), Departure::Stopped { lost: 0 });
-        assert!(coordinator.wait_for_workers(PATIENCE, |w| w.len() == 1));
-        b.stopper().abort();
+        assert!(coordinator.connected.wait_for(PATIENCE, |w| w.len() == 1));
+        b.stopper.abort();
         assert_eq!(b.join().unwrap(), Departure::Aborted);
-        assert!(coordinator.wait_for_workers(PATIENCE, <[_]>::is_empty));
+        assert!(coordinator.connected.wait_for(PATIENCE, <[_]>::is_empty));
     });
 }
 
@@ -85,7 +85,7 @@ fn the_coordinator_lists_connected_workers_and_their_slots() {
 fn a_late_joiner_takes_its_share() {
     in_time(|| {
         let mut coordinator = coordinator();
-        let endpoint = coordinator.endpoints()[0].clone();
+        let endpoint = coordinator.endpoints[0].clone();
         let (first, joined) = channel();
         let share = Arc::new(AtomicUsize::new(0));
         let enough = Arc::new(Barrier::default());
@@ -138,7 +138,7 @@ fn a_stopped_study_ends_at_once() {
         // The outcome of 1 may not have arrived yet: then it stays with its worker.
         assert!(recorded == [0] || recorded == [0, 1], "{recorded:?}");
         hold.open();
-        handle.stopper().stop();
+        handle.stopper.stop();
         // Evaluation 2 may have ended meanwhile; its outcome is no longer needed.
         assert!(matches!(handle.join().unwrap(), Departure::Stopped { .. }));
     });
@@ -148,7 +148,7 @@ fn a_stopped_study_ends_at_once() {
 fn a_worker_of_another_version_is_refused_without_effect_on_others() {
     in_time(|| {
         let mut coordinator = coordinator();
-        let session = foreign_session("connect/endpoints", &coordinator.endpoints()[0]);
+        let session = foreign_session("connect/endpoints", &coordinator.endpoints[0]);
         let frame = as_version(PROTOCOL_VERSION + 1, wire::encode(&claim_of("newer")).unwrap());
         // The frame of the reply carries the version of the coordinator, which the newer worker refuses.
         let answer = answer_to(&session, frame).unwrap();
@@ -185,7 +185,7 @@ fn a_worker_refuses_a_coordinator_of_another_version() {
 fn malformed_claims_have_no_effect() {
     in_time(|| {
         let mut coordinator = coordinator();
-        let session = foreign_session("connect/endpoints", &coordinator.endpoints()[0]);
+        let session = foreign_session("connect/endpoints", &coordinator.endpoints[0]);
         let valid = wire::encode(&claim_of("stranger")).unwrap();
         for length in 0..valid.len() {
             assert!(answer_to(&session, valid[..length].to_vec()).is_err());
@@ -212,9 +212,9 @@ fn an_address_open_to_other_machines_requires_insecure() {
     let error = open("tcp/0.0.0.0:0", false).unwrap_err();
     assert!(matches!(&error, DispatchError::Insecure(endpoint) if endpoint == "tcp/0.0.0.0:0"));
     assert!(error.is_bad_input());
-    assert!(!open("tcp/0.0.0.0:0", true).unwrap().endpoints().is_empty());
+    assert!(!open("tcp/0.0.0.0:0", true).unwrap().endpoints.is_empty());
     // An address in use is reported with its endpoint.
     let first = coordinator();
-    let error = open(&first.endpoints()[0], false).unwrap_err();
-    assert!(matches!(&error, DispatchError::Endpoint(endpoint, ..) if endpoint == &first.endpoints()[0]));
+    let error = open(&first.endpoints[0], false).unwrap_err();
+    assert!(matches!(&error, DispatchError::Endpoint(endpoint, ..) if endpoint == &first.endpoints[0]));
 }

@@ -23,9 +23,9 @@ fn hanging_worker(endpoint: &str) -> Process {
 fn the_task_of_a_killed_process_is_requeued_within_a_second() {
     in_time(|| {
         let mut coordinator = coordinator();
-        let endpoint = coordinator.endpoints()[0].clone();
+        let endpoint = coordinator.endpoints[0].clone();
         let mut hanging = hanging_worker(&endpoint);
-        assert!(coordinator.wait_for_workers(PATIENCE, |w| w.len() == 1));
+        assert!(coordinator.connected.wait_for(PATIENCE, |w| w.len() == 1));
         let killed = Arc::new(Mutex::new(None));
         let moment = Arc::clone(&killed);
         let other = std::thread::spawn(move || {
@@ -55,9 +55,9 @@ fn the_task_of_a_killed_process_is_requeued_within_a_second() {
 fn the_task_of_a_frozen_process_is_requeued_and_its_return_has_no_effect() {
     in_time(|| {
         let mut coordinator = coordinator();
-        let endpoint = coordinator.endpoints()[0].clone();
+        let endpoint = coordinator.endpoints[0].clone();
         let frozen = Arc::new(hanging_worker(&endpoint));
-        assert!(coordinator.wait_for_workers(PATIENCE, |w| w.len() == 1));
+        assert!(coordinator.connected.wait_for(PATIENCE, |w| w.len() == 1));
         let to_stop = Arc::clone(&frozen);
         let other = std::thread::spawn(move || {
             assert_eq!(to_stop.line("started", 1, PATIENCE).unwrap(), "0");
@@ -67,11 +67,11 @@ fn the_task_of_a_frozen_process_is_requeued_and_its_return_has_no_effect() {
         assert_eq!(evaluate(&mut coordinator, &requests(0..4)).unwrap(), expected(0..4));
         let other = other.join().unwrap();
         assert!(
-            coordinator.wait_for_workers(PATIENCE, |w| w.len() == 1),
+            coordinator.connected.wait_for(PATIENCE, |w| w.len() == 1),
             "only the other worker is connected"
         );
         frozen.signal("CONT");
-        assert!(coordinator.wait_for_workers(PATIENCE, |w| w.len() == 2), "it has reconnected");
+        assert!(coordinator.connected.wait_for(PATIENCE, |w| w.len() == 2), "it has reconnected");
         assert_eq!(evaluate(&mut coordinator, &requests(4..8)).unwrap(), expected(4..8));
         coordinator.finish();
         assert_eq!(other.join().unwrap(), Departure::CampaignEnded);
@@ -82,7 +82,7 @@ fn the_task_of_a_frozen_process_is_requeued_and_its_return_has_no_effect() {
 fn the_tasks_of_an_aborted_worker_are_requeued_and_counted_once() {
     in_time(|| {
         let mut coordinator = coordinator();
-        let endpoint = coordinator.endpoints()[0].clone();
+        let endpoint = coordinator.endpoints[0].clone();
         let (started, begun) = channel();
         let hold = Arc::new(Barrier::default());
         let held = Arc::clone(&hold);
@@ -96,7 +96,7 @@ fn the_tasks_of_an_aborted_worker_are_requeued_and_counted_once() {
                 begun.recv_timeout(PATIENCE).unwrap();
             }
             let others = ["a", "b"].map(|name| worker_at(&endpoint, name, 1, practice_result));
-            vanishing.stopper().abort();
+            vanishing.stopper.abort();
             assert_eq!(vanishing.join().unwrap(), Departure::Aborted);
             // Its simulations end after the abort: their outcomes are discarded.
             hold.open();
@@ -114,7 +114,7 @@ fn the_tasks_of_an_aborted_worker_are_requeued_and_counted_once() {
 fn a_stopped_worker_returns_its_task() {
     in_time(|| {
         let mut coordinator = coordinator();
-        let endpoint = coordinator.endpoints()[0].clone();
+        let endpoint = coordinator.endpoints[0].clone();
         let (started, begun) = channel();
         let hold = Arc::new(Barrier::default());
         let held = Arc::clone(&hold);
@@ -125,7 +125,7 @@ fn a_stopped_worker_returns_its_task() {
         });
         let staying = std::thread::spawn(move || {
             begun.recv_timeout(PATIENCE).unwrap();
-            leaving.stopper().stop();
+            leaving.stopper.stop();
             assert_eq!(leaving.join().unwrap(), Departure::Stopped { lost: 0 });
             worker_at(&endpoint, "staying", 1, practice_result)
         });
@@ -140,7 +140,7 @@ fn a_stopped_worker_returns_its_task() {
 fn a_task_that_crashes_three_workers_is_given_up_and_the_others_are_evaluated() {
     in_time(|| {
         let mut coordinator = coordinator();
-        let endpoint = coordinator.endpoints()[0].clone();
+        let endpoint = coordinator.endpoints[0].clone();
         let killing = std::thread::spawn(move || {
             for k in 0..3 {
                 let (started, begun) = channel();
@@ -155,7 +155,7 @@ fn a_task_that_crashes_three_workers_is_given_up_and_the_others_are_evaluated() 
                     practice_result(sample)
                 });
                 begun.recv_timeout(PATIENCE).unwrap();
-                victim.stopper().abort();
+                victim.stopper.abort();
                 assert_eq!(victim.join().unwrap(), Departure::Aborted);
             }
             worker_at(&endpoint, "survivor", 1, practice_result)
@@ -209,7 +209,7 @@ fn a_worker_that_starts_before_its_coordinator_waits_for_it() {
         assert_eq!(handle.join().unwrap(), Departure::CampaignEnded);
         // A worker without a coordinator can be stopped.
         let vain = worker_at(&endpoint, "vain", 1, practice_result);
-        vain.stopper().stop();
+        vain.stopper.stop();
         assert_eq!(vain.join().unwrap(), Departure::Stopped { lost: 0 });
     });
 }
@@ -219,7 +219,7 @@ fn a_restarted_coordinator_gets_outcomes_finished_while_it_was_down() {
     in_time(|| {
         let interrupted = Arc::new(AtomicBool::new(false));
         let mut first = coordinator_at(None, Arc::clone(&interrupted));
-        let endpoint = first.endpoints()[0].clone();
+        let endpoint = first.endpoints[0].clone();
         let calls = Arc::new(AtomicUsize::new(0));
         let hold = Arc::new(Barrier::default());
         let (count, held, flag) = (Arc::clone(&calls), Arc::clone(&hold), Arc::clone(&interrupted));

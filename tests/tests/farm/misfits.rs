@@ -47,7 +47,7 @@ fn issue_one_misfit_of_one_worker_ended_the_study_for_ever() {
                 ZenohEvaluator::open(study.campaign(false), &Listen::default(), Arc::default()).unwrap();
             let misfitting = worker(&evaluator, "misfitting", 1, move |sample| with(misfit, sample));
             // The first task is the misfitting worker's.
-            assert!(evaluator.wait_for_workers(PATIENCE, |w| w.iter().any(|w| w.slots > 0)), "{k}");
+            assert!(evaluator.connected.wait_for(PATIENCE, |w| w.iter().any(|w| w.slots > 0)), "{k}");
             let fitting = worker(&evaluator, "fitting", 1, evaluation);
             let (answer, workers) = study.run(&mut evaluator, &mut journal).unwrap();
             assert_eq!(answer, expected, "{k}");
@@ -79,7 +79,7 @@ fn issue_results_of_a_worker_off_by_a_fifth_were_believed() {
         let off = worker(&evaluator, "off", 1, off);
         let others = ["one", "two"].map(|name| worker(&evaluator, name, 1, evaluation));
         let all = |w: &[ConnectedWorker]| w.iter().filter(|w| w.slots > 0).count() == 3;
-        assert!(evaluator.wait_for_workers(PATIENCE, all));
+        assert!(evaluator.connected.wait_for(PATIENCE, all));
         let (answer, workers) = study.run(&mut evaluator, &mut journal).unwrap();
         assert_eq!(answer, expected);
         assert!(workers.iter().all(|worker| worker != "off/0"), "{workers:?}");

@@ -69,7 +69,7 @@ fn changed_frames_through_tls_end_or_leave_a_coordinator_that_answers() {
 fn a_coordinator_that_does_not_answer_its_own_questions_is_noticed() {
     within(LONGEST, || {
         let coordinator = tests::coordinator();
-        let endpoint = coordinator.endpoints()[0].clone();
+        let endpoint = coordinator.endpoints[0].clone();
         let often =
             Watch { every: Duration::from_millis(100), patience: Duration::from_secs(1), silences: 3 };
         let (said, failed) = channel();

@@ -22,7 +22,7 @@ fn open(config: PathBuf) -> (ZenohEvaluator, String) {
     // Not a loopback address: accepted because the configuration authenticates clients.
     let listen = Listen { endpoint: Some("tls/0.0.0.0:0".into()), config: Some(config), insecure: false };
     let coordinator = ZenohEvaluator::open(campaign(), &listen, Arc::default()).unwrap();
-    let port = coordinator.endpoints()[0].rsplit(':').next().unwrap().to_owned();
+    let port = coordinator.endpoints[0].rsplit(':').next().unwrap().to_owned();
     (coordinator, format!("tls/{HOST}:{port}"))
 }
 
@@ -127,7 +127,7 @@ fn only_the_protocol(config: PathBuf, permitted: &Path, stranger: &Path) {
     assert!(is_answered(&insider, keys::STATUS) && is_answered(&insider, keys::CLAIM));
 
     let served = worker_with(permitted, &endpoint, PATIENCE);
-    assert!(coordinator.wait_for_workers(PATIENCE, |workers| workers.len() == 1));
+    assert!(coordinator.connected.wait_for(PATIENCE, |workers| workers.len() == 1));
     let false_worker = WorkerId { name: "false".into(), epoch: 1 };
     let _token = stranger.liveliness().declare_token(keys::alive(&false_worker)).wait().unwrap();
     let (sender, received) = std::sync::mpsc::channel();
@@ -187,7 +187,7 @@ fn a_message_above_the_size_limit_is_dropped_without_effect() {
         let folder = tempfile::tempdir().unwrap();
         let plain = folder.path().join("plain.json5");
         std::fs::write(&plain, "{}").unwrap();
-        let flood = session(&plain, &coordinator.endpoints()[0]);
+        let flood = session(&plain, &coordinator.endpoints[0]);
         let replies =
             flood.get(keys::CLAIM).payload(vec![0u8; 4 * MAX_PAYLOAD]).timeout(Duration::from_secs(1));
         let answered = replies.wait().unwrap().into_iter().any(|reply| reply.result().is_ok());
@@ -235,7 +235,7 @@ fn workers_of_another_site_work_through_routers() {
         let stranger = session(&configuration("zenoh-tls.json5", &stranger), &at_far);
         let handle = worker_with(&configuration("zenoh-tls.json5", &handle), &at_far, PATIENCE);
         assert!(
-            coordinator.wait_for_workers(PATIENCE, |workers| workers.len() == 1),
+            coordinator.connected.wait_for(PATIENCE, |workers| workers.len() == 1),
             "the liveliness token did not arrive"
         );
         assert_eq!(evaluate(&mut coordinator, &requests(0..20)).unwrap(), expected(0..20));

@@ -1,10 +1,9 @@
 //! The UM-Bridge protocol over real sockets: client and server of this program with each other, and each of them with the
 //! Python package `umbridge`, which `.ci/run` installs in a virtual environment.
 
-use common::external::{SimulatorError, SimulatorId};
+use common::external::{SimulatorError, SimulatorId, SlotError};
 use common::scene::{Scene, SceneSource};
 use coordinator::farm::dispatch::{CampaignSimulator, CampaignSpec, Listen, ZenohEvaluator};
-use coordinator::farm::evaluate::external::open;
 use coordinator::farm::evaluate::{EvaluateError, EvaluationResult, Evaluator, Finished, Request};
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader};
@@ -12,7 +11,7 @@ use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use std::sync::Arc;
 use tests::deployed::KilledOnDrop;
-use tests::{campaign, evaluate, in_time, skipped};
+use tests::{campaign, evaluate, in_time, open_simulator, skipped};
 use worker::own_simulators::OwnSimulators;
 use worker::service::{self, Departure, ServiceConfig};
 use worker::simulate::{SimulateOptions, simulate};
@@ -38,7 +37,7 @@ fn source(url: &str, more: &str) -> SceneSource {
 }
 
 fn evaluator(scene: &Scene, slots: usize) -> Result<Box<dyn Evaluator>, SimulatorError> {
-    open(scene.simulator.as_ref().unwrap(), scene, slots, Arc::default())
+    open_simulator(scene, slots)
 }
 
 fn request(id: u64, sample: &[f64]) -> Request {
@@ -47,10 +46,13 @@ fn request(id: u64, sample: &[f64]) -> Request {
 
 fn outcomes(scene: &Scene, batch: &[Request]) -> Result<BTreeMap<u64, EvaluationResult>, EvaluateError> {
     let mut all = BTreeMap::new();
-    evaluator(scene, 2)?.evaluate(batch, &mut |Finished { id, outcome, .. }| {
-        assert!(all.insert(id, outcome).is_none());
-        Ok(())
-    })?;
+    evaluator(scene, 2).map_err(SlotError::from)?.evaluate(
+        batch,
+        &mut |Finished { id, outcome, .. }| {
+            assert!(all.insert(id, outcome).is_none());
+            Ok(())
+        },
+    )?;
     Ok(all)
 }
 
@@ -84,7 +86,7 @@ fn a_worker_offers_a_model_to_a_coordinator_that_does_not_reach_its_server() {
         let campaign = CampaignSpec { simulator, ..campaign() };
         let mut coordinator = ZenohEvaluator::open(campaign, &Listen::default(), Arc::default()).unwrap();
         let own = OwnSimulators::open(std::slice::from_ref(&near)).unwrap();
-        let config = ServiceConfig::new(&coordinator.endpoints()[0], 2);
+        let config = ServiceConfig::new(&coordinator.endpoints[0], 2);
         let worker = service::spawn(config, Arc::new(own)).unwrap();
         let batch: Vec<Request> = (0..).zip(SAMPLES).map(|(id, sample)| request(id, &sample)).collect();
         assert_eq!(evaluate(&mut coordinator, &batch).unwrap(), outcomes(near.nominal(), &batch).unwrap());

@@ -3,15 +3,13 @@
 //!
 //! There are three kinds of reply: work; "idle, claim again in T" (a notice ends the wait early); none, after which the worker backs off.
 
-use super::backoff::Backoff;
-use super::claim_event::{ClaimEvent, PendingClaim};
 use super::connection_monitor::{ConnectionMonitor, LicenceContact, OwnCampaign};
 use super::leave_policy::LeavePolicy;
 use super::link::Link;
-use super::prefetch::PrefetchEstimator;
+use super::pace::{Backoff, PrefetchEstimator};
 use super::slots::Slots;
 use super::unacknowledged::UnacknowledgedResults;
-use super::{Departure, ServiceConfig, ServiceError};
+use super::{ClaimEvent, Departure, ServiceConfig, ServiceError};
 use crate::log::refusal;
 use common::wire::{self, Claim, Notice, Refused, Task, TaskKey, WorkerId};
 use std::sync::Arc;
@@ -62,6 +60,18 @@ pub(super) struct ClaimLoop {
     farewell_answered: bool,
 }
 
+/// A claim without reply so far.
+struct PendingClaim {
+    /// Its sequence number.
+    sequence: u64,
+    /// Number of tasks it requests.
+    credits: usize,
+    /// Whether it announces that the worker leaves.
+    leaving: bool,
+    /// Time at which it was sent.
+    since: Instant,
+}
+
 impl ClaimLoop {
     /// The claims to coordinator number `coordinator`.
     pub(crate) fn new(
@@ -106,7 +116,7 @@ impl ClaimLoop {
     /// [`ServiceError`].
     pub(crate) fn run(mut self, inbox: &Receiver<ClaimEvent>) -> Result<Departure, ServiceError> {
         let departure = self.serve(inbox);
-        self.slots.shares.stop_competing(self.coordinator);
+        self.slots.shares().stop_competing(self.coordinator);
         self.withdraw(|_| true);
         self.link.close();
         self.slots.simulator.on_campaign_ended();
@@ -205,7 +215,7 @@ impl ClaimLoop {
 
     fn on_no_reply(&mut self, now: Instant, reason: String) {
         let since = self.pending.take().map_or(now, |claim| claim.since);
-        self.slots.shares.answered(self.coordinator, 0, now);
+        self.slots.shares().answered(self.coordinator, 0, now);
         self.monitor.on_failure(since, reason);
         self.unacknowledged.resend_all(now);
         let pause = self.backoff.next(self.sequence);
@@ -219,7 +229,7 @@ impl ClaimLoop {
 
     /// Number of tasks to request now.
     fn credits(&self, now: Instant) -> usize {
-        let shares = &self.slots.shares;
+        let mut shares = self.slots.shares();
         if !self.accepts_tasks() || self.claim_at.max(self.silent_until) > now {
             shares.stop_competing(self.coordinator);
             return 0;
@@ -257,7 +267,7 @@ impl ClaimLoop {
             leaving,
         };
         let frame = wire::encode(&claim)?;
-        self.slots.shares.request(self.coordinator, credits, now);
+        self.slots.shares().request(self.coordinator, credits, now);
         self.pending = Some(PendingClaim { sequence: self.sequence, credits, leaving, since: now });
         if let Err(reason) = self.link.send_claim(self.sequence, frame) {
             self.on_no_reply(now, reason);
@@ -266,7 +276,7 @@ impl ClaimLoop {
     }
 
     fn next_wake(&self, now: Instant) -> Instant {
-        let idle = self.slots.shares.idle_for(now);
+        let idle = self.slots.shares().idle_for(now);
         let mut wake = now + POLL_INTERVAL;
         if self.pending.is_none() {
             let claim = Some(self.claim_at).filter(|at| self.accepts_tasks() && *at > now);
@@ -303,7 +313,7 @@ impl ClaimLoop {
         if self.pending.as_ref().is_some_and(|claim| now.duration_since(claim.since) > limit) {
             self.on_no_reply(now, "the claim got no reply".into());
         }
-        self.leave_policy.check(now, self.prefetch.longest(), self.slots.shares.idle_for(now));
+        self.leave_policy.check(now, self.prefetch.longest(), self.slots.shares().idle_for(now));
         if self.leaving_since.is_none() && self.leave_policy.must_leave(now, self.running.len()) {
             self.leaving_since = Some(now);
             // Their time is over at all coordinators.

@@ -2,9 +2,7 @@
 //! time used, its running tasks included at the mean task time. So competing coordinators get equal slot time over time;
 //! time not used by one is available to the others.
 
-use super::claim_event::ClaimEvent;
-use common::locks::locked;
-use std::sync::Mutex;
+use super::ClaimEvent;
 use std::sync::mpsc::Sender;
 use std::time::{Duration, Instant};
 
@@ -33,8 +31,9 @@ impl Member {
     }
 }
 
+/// Use of the slots by all coordinators.
 #[derive(Debug)]
-struct ShareState {
+pub(super) struct FairShare {
     members: Vec<Member>,
     counted_until: Instant,
     /// Number of tasks ended.
@@ -43,7 +42,15 @@ struct ShareState {
     idle_since: Instant,
 }
 
-impl ShareState {
+impl FairShare {
+    /// Shares among coordinators; `inboxes` are those of their claim loops.
+    pub(crate) fn new(inboxes: impl IntoIterator<Item = Sender<ClaimEvent>>) -> Self {
+        let member = |inbox| Member { inbox, tasks: 0, requested: None, competes: false, used: 0.0 };
+        let now = Instant::now();
+        let members = inboxes.into_iter().map(member).collect();
+        Self { members, counted_until: now, ended: 0, idle_since: now }
+    }
+
     /// Adds the slot time since the last call to each coordinator.
     fn count_use(&mut self, now: Instant) {
         let past = now.saturating_duration_since(self.counted_until).as_secs_f64();
@@ -78,35 +85,20 @@ impl ShareState {
             own.used = own.used.max(least.unwrap_or(own.used));
         }
     }
-}
-
-/// Use of the slots by all coordinators.
-#[derive(Debug)]
-pub(super) struct FairShare(Mutex<ShareState>);
-
-impl FairShare {
-    /// Shares among coordinators; `inboxes` are those of their claim loops.
-    pub(crate) fn new(inboxes: impl IntoIterator<Item = Sender<ClaimEvent>>) -> Self {
-        let member = |inbox| Member { inbox, tasks: 0, requested: None, competes: false, used: 0.0 };
-        let now = Instant::now();
-        let members = inboxes.into_iter().map(member).collect();
-        Self(Mutex::new(ShareState { members, counted_until: now, ended: 0, idle_since: now }))
-    }
 
     /// Number of tasks that may be requested from coordinator `k`, of `slots` in all. The coordinator competes for slots
     /// until [`FairShare::stop_competing`].
-    pub(crate) fn allowance(&self, k: usize, slots: usize, now: Instant) -> usize {
-        let mut state = locked(&self.0);
-        state.count_use(now);
-        state.start_competing(k);
-        let mut occupied: Vec<usize> = state.members.iter().map(|member| member.occupied(now)).collect();
+    pub(crate) fn allowance(&mut self, k: usize, slots: usize, now: Instant) -> usize {
+        self.count_use(now);
+        self.start_competing(k);
+        let mut occupied: Vec<usize> = self.members.iter().map(|member| member.occupied(now)).collect();
         // A coordinator with an open request gets no more slots.
         let takes =
-            |j: &usize| *j == k || (state.members[*j].competes && state.members[*j].requested.is_none());
+            |j: &usize| *j == k || (self.members[*j].competes && self.members[*j].requested.is_none());
         let takers: Vec<usize> = (0..occupied.len()).filter(takes).collect();
-        let (task_time, mut mine) = (state.mean_task_time(), 0);
+        let (task_time, mut mine) = (self.mean_task_time(), 0);
         for _ in 0..slots.saturating_sub(occupied.iter().sum()) {
-            let used = |j: &usize| state.members[*j].used + task_time * occupied[*j] as f64;
+            let used = |j: &usize| self.members[*j].used + task_time * occupied[*j] as f64;
             let Some(&taker) = takers.iter().min_by(|a, b| used(a).total_cmp(&used(b))) else { break };
             occupied[taker] += 1;
             mine += usize::from(taker == k);
@@ -115,44 +107,40 @@ impl FairShare {
     }
 
     /// Registers a request of `tasks` tasks from coordinator `k`.
-    pub(crate) fn request(&self, k: usize, tasks: usize, now: Instant) {
-        locked(&self.0).members[k].requested = Some((tasks, now));
+    pub(crate) fn request(&mut self, k: usize, tasks: usize, now: Instant) {
+        self.members[k].requested = Some((tasks, now));
     }
 
     /// Registers the reply of coordinator `k` with `tasks` tasks; zero if there is no reply.
-    pub(crate) fn answered(&self, k: usize, tasks: usize, now: Instant) {
-        let mut state = locked(&self.0);
-        state.count_use(now);
-        let requested = state.members[k].requested.take();
-        state.members[k].tasks += tasks;
+    pub(crate) fn answered(&mut self, k: usize, tasks: usize, now: Instant) {
+        self.count_use(now);
+        let requested = self.members[k].requested.take();
+        self.members[k].tasks += tasks;
         if requested.is_some_and(|(most, _)| tasks < most) {
-            state.notify_others(k);
+            self.notify_others(k);
         }
     }
 
     /// Coordinator `k` stops competing for slots; the others are notified.
-    pub(crate) fn stop_competing(&self, k: usize) {
-        let mut state = locked(&self.0);
-        if std::mem::replace(&mut state.members[k].competes, false) {
-            state.notify_others(k);
+    pub(crate) fn stop_competing(&mut self, k: usize) {
+        if std::mem::replace(&mut self.members[k].competes, false) {
+            self.notify_others(k);
         }
     }
 
     /// Registers that `tasks` tasks of coordinator `k` have ended or were dropped.
-    pub(crate) fn ended(&self, k: usize, tasks: usize, now: Instant) {
-        let mut state = locked(&self.0);
-        state.count_use(now);
-        state.members[k].tasks = state.members[k].tasks.saturating_sub(tasks);
-        state.ended += tasks;
-        state.idle_since = now;
-        state.notify_others(k);
+    pub(crate) fn ended(&mut self, k: usize, tasks: usize, now: Instant) {
+        self.count_use(now);
+        self.members[k].tasks = self.members[k].tasks.saturating_sub(tasks);
+        self.ended += tasks;
+        self.idle_since = now;
+        self.notify_others(k);
     }
 
     /// Time without tasks of any coordinator.
     pub(crate) fn idle_for(&self, now: Instant) -> Duration {
-        let state = locked(&self.0);
-        let busy = state.members.iter().any(|member| member.tasks > 0);
-        if busy { Duration::ZERO } else { now.saturating_duration_since(state.idle_since) }
+        let busy = self.members.iter().any(|member| member.tasks > 0);
+        if busy { Duration::ZERO } else { now.saturating_duration_since(self.idle_since) }
     }
 }
 
@@ -167,7 +155,7 @@ mod tests {
     }
 
     /// Requests the whole allowance, and gets it.
-    fn take(shares: &FairShare, k: usize, slots: usize, now: Instant) -> usize {
+    fn take(shares: &mut FairShare, k: usize, slots: usize, now: Instant) -> usize {
         let mine = shares.allowance(k, slots, now);
         shares.request(k, mine, now);
         shares.answered(k, mine, now);
@@ -176,41 +164,41 @@ mod tests {
 
     #[test]
     fn one_coordinator_gets_all_slots() {
-        let (shares, _inboxes) = shares(1);
+        let (mut shares, _inboxes) = shares(1);
         let now = Instant::now();
-        assert_eq!([take(&shares, 0, 6, now), take(&shares, 0, 6, now)], [6, 0]);
+        assert_eq!([take(&mut shares, 0, 6, now), take(&mut shares, 0, 6, now)], [6, 0]);
         shares.ended(0, 2, now);
-        assert_eq!(take(&shares, 0, 6, now), 2);
+        assert_eq!(take(&mut shares, 0, 6, now), 2);
     }
 
     #[test]
     fn a_second_coordinator_gets_every_free_slot_until_both_have_the_same_number() {
-        let (shares, inboxes) = shares(2);
+        let (mut shares, inboxes) = shares(2);
         let now = Instant::now();
-        assert_eq!([take(&shares, 0, 4, now), shares.allowance(1, 4, now)], [4, 0]);
+        assert_eq!([take(&mut shares, 0, 4, now), shares.allowance(1, 4, now)], [4, 0]);
         for _ in 0..2 {
             shares.ended(0, 1, now);
             assert!(matches!(inboxes[1].try_recv(), Ok(ClaimEvent::SlotFree)));
-            assert_eq!([shares.allowance(0, 4, now), take(&shares, 1, 4, now)], [0, 1]);
+            assert_eq!([shares.allowance(0, 4, now), take(&mut shares, 1, 4, now)], [0, 1]);
         }
         // A coordinator that does not compete leaves all slots to the other.
         shares.stop_competing(1);
         shares.ended(1, 2, now);
-        assert_eq!(take(&shares, 0, 4, now), 2);
+        assert_eq!(take(&mut shares, 0, 4, now), 2);
     }
 
     #[test]
     fn a_single_slot_is_shared_by_time_used() {
-        let (shares, _inboxes) = shares(2);
+        let (mut shares, _inboxes) = shares(2);
         let (start, second) = (Instant::now(), Duration::from_secs(1));
         let mut had = [Duration::ZERO; 2];
         let mut now = start;
         assert_eq!([shares.allowance(0, 1, now), shares.allowance(1, 1, now)], [1, 0]);
         // Tasks of one coordinator take three times as long; both get half of the time.
         while now < start + 100 * second {
-            let turn = usize::from(take(&shares, 0, 1, now) == 0);
+            let turn = usize::from(take(&mut shares, 0, 1, now) == 0);
             if turn == 1 {
-                assert_eq!(take(&shares, 1, 1, now), 1);
+                assert_eq!(take(&mut shares, 1, 1, now), 1);
             }
             let takes = if turn == 0 { 3 * second } else { second };
             (now, had[turn]) = (now + takes, had[turn] + takes);
@@ -222,18 +210,19 @@ mod tests {
 
     #[test]
     fn a_silent_coordinator_reserves_slots_for_a_short_time_only() {
-        let (shares, _inboxes) = shares(2);
+        let (mut shares, _inboxes) = shares(2);
         let now = Instant::now();
-        shares.request(1, shares.allowance(1, 2, now), now);
+        let all = shares.allowance(1, 2, now);
+        shares.request(1, all, now);
         assert_eq!(shares.allowance(0, 2, now), 0);
         assert_eq!(shares.allowance(0, 2, now + RESERVED_FOR), 2);
     }
 
     #[test]
     fn a_worker_is_idle_without_tasks_of_any_coordinator() {
-        let (shares, _inboxes) = shares(2);
+        let (mut shares, _inboxes) = shares(2);
         let now = Instant::now();
-        assert_eq!(take(&shares, 1, 2, now), 2);
+        assert_eq!(take(&mut shares, 1, 2, now), 2);
         let later = now + Duration::from_secs(9);
         assert_eq!(shares.idle_for(later), Duration::ZERO);
         shares.ended(1, 2, now + Duration::from_secs(2));

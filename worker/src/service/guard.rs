@@ -64,7 +64,9 @@ fn outcome_of(job: Job, worker: &str, took: Duration, result: SampleResult) -> O
 
 fn only_finite(result: SampleResult) -> SampleResult {
     let found = match &result {
-        Ok(evaluation) => wire::find_non_finite(evaluation).map(|it| (it.cycle.unwrap_or(0), it.quantity)),
+        Ok(evaluation) => {
+            wire::find_non_finite(evaluation).map(|(quantity, cycle)| (cycle.unwrap_or(0), quantity))
+        }
         Err(failure) => (!wire::failure_is_finite(failure)).then(|| (0, format!("failure: {failure}"))),
     };
     let Some((cycle, quantity)) = found else { return result };

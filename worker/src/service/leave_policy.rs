@@ -50,22 +50,18 @@ impl LeavePolicy {
     /// Starts draining at the end of the run time or of the idle timeout. `longest` is the longest expected task, which must
     /// not start unless it can finish in time; `idle` is the time without tasks.
     pub(crate) fn check(&mut self, now: Instant, longest: Option<Duration>, idle: Duration) {
-        if self.draining.is_some() {
-            return;
-        }
-        if let Some(up) = self.time_up
-            && now + longest.unwrap_or_default() >= up
-        {
-            self.draining = Some((Departure::TimeUp { lost: 0 }, up));
-        } else if self.idle_timeout.is_some_and(|timeout| idle >= timeout) {
-            self.draining = Some((Departure::Idle, now));
-        }
+        self.draining = self.draining.or_else(|| self.due(now, longest, idle));
     }
 
     /// The departure due before the first connection, if any.
     pub(crate) fn over_before_work(&self, now: Instant, idle: Duration) -> Option<Departure> {
-        let up = self.time_up.is_some_and(|up| now >= up).then_some(Departure::TimeUp { lost: 0 });
-        up.or(self.idle_timeout.is_some_and(|timeout| idle >= timeout).then_some(Departure::Idle))
+        self.due(now, None, idle).map(|(departure, _)| departure)
+    }
+
+    fn due(&self, now: Instant, longest: Option<Duration>, idle: Duration) -> Option<(Departure, Instant)> {
+        let up = self.time_up.filter(|up| now + longest.unwrap_or_default() >= *up);
+        let is_idle = self.idle_timeout.is_some_and(|timeout| idle >= timeout);
+        up.map(|up| (Departure::TimeUp { lost: 0 }, up)).or(is_idle.then_some((Departure::Idle, now)))
     }
 
     /// True if the worker is to leave now, with `running` tasks.

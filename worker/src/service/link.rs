@@ -1,9 +1,9 @@
 //! Zenoh session of a worker with one coordinator: the only module of the worker that uses Zenoh.
 
-use super::claim_event::ClaimEvent;
 use super::connection_monitor::ConnectionMonitor;
-use super::{Departure, ServiceConfig, ServiceError};
+use super::{ClaimEvent, Departure, ServiceConfig, ServiceError};
 use crate::log::refusal;
+use common::panics::ends_within;
 use common::wire::{self, WorkerId, keys, reason};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant};
@@ -61,7 +61,7 @@ impl Link {
     /// # Errors
     /// [`ServiceError::Unreachable`] once `monitor` gives up.
     pub(crate) fn connect(
-        settings: &LinkSettings,
+        settings: &Config,
         service: &ServiceConfig,
         worker: &WorkerId,
         inbox: &Sender<ClaimEvent>,
@@ -72,7 +72,7 @@ impl Link {
         let mut limit = FIRST_ATTEMPT;
         loop {
             let started = Instant::now();
-            let opening = settings.open(limit)?;
+            let opening = open(settings.clone(), limit)?;
             loop {
                 match opening.recv_timeout(POLL) {
                     Ok(Ok(session)) => return Self::declare(session, service, worker, inbox).map(Ok),
@@ -151,13 +151,8 @@ impl Link {
 
     /// Closes the session; gives up after [`CLOSE_TIMEOUT`].
     pub(crate) fn close(&self) {
-        let (done, finished) = channel();
         let session = self.session.clone();
-        let closing = std::thread::Builder::new().name("worker-close".into()).spawn(move || {
-            let closed = session.close().wait();
-            let _ = done.send(closed.is_ok());
-        });
-        if closing.is_ok() && finished.recv_timeout(CLOSE_TIMEOUT).is_err() {
+        if !ends_within(CLOSE_TIMEOUT, "worker-close", move || _ = session.close().wait()) {
             tracing::debug!("the session did not close in time");
         }
     }
@@ -175,25 +170,19 @@ impl Drop for QueryEnd {
     }
 }
 
-/// Zenoh configuration of a worker for one coordinator.
-pub(super) struct LinkSettings(Config);
-
-impl LinkSettings {
-    /// Begins to open a session; the receiver gets it, or Zenoh's error text after `limit` at the latest. Opening blocks its thread, and
-    /// nothing ends it before: a session that is no longer received is closed.
-    ///
-    /// # Errors
-    /// [`ServiceError::Messaging`], [`ServiceError::Thread`].
-    fn open(&self, limit: Duration) -> Result<Receiver<Result<Session, String>>, ServiceError> {
-        let mut config = self.0.clone();
-        config.insert_json5(ATTEMPT_LIMIT, &limit.as_millis().to_string()).map_err(messaging)?;
-        let (opened, opening) = channel();
-        let open = move || {
-            let _ = opened.send(zenoh::open(config).wait().map_err(reason));
-        };
-        std::thread::Builder::new().name("worker-open".into()).spawn(open).map_err(ServiceError::Thread)?;
-        Ok(opening)
-    }
+/// Begins to open a session; the receiver gets it, or Zenoh's error text after `limit` at the latest. Opening blocks its thread, and
+/// nothing ends it before: a session that is no longer received is closed.
+///
+/// # Errors
+/// [`ServiceError::Messaging`], [`ServiceError::Thread`].
+fn open(mut config: Config, limit: Duration) -> Result<Receiver<Result<Session, String>>, ServiceError> {
+    config.insert_json5(ATTEMPT_LIMIT, &limit.as_millis().to_string()).map_err(messaging)?;
+    let (opened, opening) = channel();
+    let open = move || {
+        let _ = opened.send(zenoh::open(config).wait().map_err(reason));
+    };
+    std::thread::Builder::new().name("worker-open".into()).spawn(open).map_err(ServiceError::Thread)?;
+    Ok(opening)
 }
 
 /// Why the worker leaves before it has a session, if it does; waits up to `pause` for a request to stop.
@@ -218,11 +207,11 @@ fn must_leave(
     })
 }
 
-/// Builds the configuration for the coordinator at `endpoint`.
+/// Builds the Zenoh configuration for the coordinator at `endpoint`.
 ///
 /// # Errors
 /// [`ServiceError::Settings`], [`ServiceError::Messaging`].
-pub(super) fn link_settings(service: &ServiceConfig, endpoint: &str) -> Result<LinkSettings, ServiceError> {
+pub(super) fn link_settings(service: &ServiceConfig, endpoint: &str) -> Result<Config, ServiceError> {
     let mut config = match &service.zenoh_config {
         None => Config::default(),
         Some(file) => Config::from_file(file).map_err(|error| ServiceError::Settings {
@@ -243,7 +232,7 @@ pub(super) fn link_settings(service: &ServiceConfig, endpoint: &str) -> Result<L
     config
         .insert_json5("connect/endpoints", &format!("[\"{endpoint}\"]"))
         .map_err(|error| wrong(reason(error)))?;
-    Ok(LinkSettings(config))
+    Ok(config)
 }
 
 fn messaging(error: zenoh::Error) -> ServiceError {

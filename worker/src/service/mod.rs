@@ -13,17 +13,15 @@
 //! is acknowledged (`UnacknowledgedResults`), so a coordinator may stop and the connection may break at any time. The
 //! caller needs no tokio runtime; if it has one, it must be multi-threaded (a condition of Zenoh).
 
-mod backoff;
-mod claim_event;
 mod claim_loop;
 mod connection_monitor;
 mod fair_share;
 mod guard;
 mod leave_policy;
 mod link;
+mod pace;
 #[cfg(test)]
 mod practice_tests;
-mod prefetch;
 mod slots;
 mod unacknowledged;
 mod worker_handle;
@@ -31,7 +29,7 @@ mod worker_handle;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
-use common::wire::{Offers, Subject, Task, TaskKey, WireError, WorkOrder};
+use common::wire::{Offers, Outcome, Task, WireError, WorkOrder};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -51,22 +49,6 @@ pub struct Job {
 }
 
 impl Job {
-    /// A job outside any campaign, without the first cycle; for tests of a simulator.
-    pub fn standalone(scene: &str, sample: &[f64], accuracy: Accuracy) -> Self {
-        let subject = Subject::Scene(scene.to_owned());
-        let order =
-            WorkOrder { subject, accuracy, accuracy_name: String::new(), licensed: false, tasks: vec![] };
-        let task = Task {
-            key: TaskKey { campaign: 0, task: 0 },
-            attempt: 1,
-            sample: sample.to_vec(),
-            with_first_cycle: false,
-            accuracy: None,
-            level: 0,
-        };
-        Self { order: Arc::new(order), task, coordinator: 0 }
-    }
-
     /// Values of the scene's random variables `(d,)`, SI.
     pub fn sample(&self) -> &[f64] {
         &self.task.sample
@@ -247,6 +229,30 @@ pub enum ServiceError {
     /// A thread of the service panicked: a defect of the program.
     #[error("the service of the worker panicked")]
     Panicked,
+}
+
+/// Input of a claim loop, from slots, link and [`Stopper`].
+#[derive(Debug)]
+enum ClaimEvent {
+    /// A slot has finished a task.
+    Finished(Box<Outcome>),
+    /// A slot may be free: a task of another coordinator has ended, or that coordinator needs fewer slots.
+    SlotFree,
+    /// The coordinator's reply to a claim, or its error text.
+    Answer {
+        /// Sequence number of the claim.
+        sequence: u64,
+        /// Frame of the reply, or the text of the error.
+        frame: Result<Vec<u8>, String>,
+    },
+    /// No further reply to this claim will arrive. Holds the sequence number of the claim.
+    QueryEnded(u64),
+    /// A notice of the coordinator, as a frame.
+    Notice(Vec<u8>),
+    /// Stop: finish within the drain time, return outcomes and leave.
+    Stop,
+    /// Leave at once, without returning outcomes.
+    Abort,
 }
 
 /// Number that increases with every start on this machine.

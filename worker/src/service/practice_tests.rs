@@ -4,6 +4,8 @@ use super::{Job, Simulator};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::{Diagnostics, Evaluation};
+use common::wire::{Subject, Task, TaskKey, WorkOrder};
+use std::sync::Arc;
 use std::time::Duration;
 
 /// A simulator from a closure on the first value of the sample. It takes all available jobs before it ends the first.
@@ -28,7 +30,18 @@ impl<F: Fn(f64) -> Result<Evaluation, SimulationFailure> + Send + Sync> Simulato
 
 /// A job with the sample `[x]`.
 pub(crate) fn job(x: f64) -> Job {
-    Job::standalone("", &[x], Accuracy::draft())
+    let (scene, sample, accuracy) = ("", [x], Accuracy::draft());
+    let subject = Subject::Scene(scene.to_owned());
+    let order = WorkOrder { subject, accuracy, accuracy_name: String::new(), licensed: false, tasks: vec![] };
+    let task = Task {
+        key: TaskKey { campaign: 0, task: 0 },
+        attempt: 1,
+        sample: sample.to_vec(),
+        with_first_cycle: false,
+        accuracy: None,
+        level: 0,
+    };
+    Job { order: Arc::new(order), task, coordinator: 0 }
 }
 
 /// An evaluation with one output `history`.

@@ -5,14 +5,13 @@
 //! Queue of a worker's waiting jobs. Each slot takes at most its fair share, so that no slot is idle while another one runs
 //! several jobs side by side.
 
-use super::claim_event::ClaimEvent;
 use super::fair_share::FairShare;
-use super::{Job, ServiceConfig, Simulator, guard};
+use super::{ClaimEvent, Job, ServiceConfig, Simulator, guard};
 use common::locks::locked;
 use common::wire::Task;
 use std::collections::VecDeque;
 use std::sync::mpsc::Sender;
-use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 /// Lowered priority of slots, on the scale of `nice`: a competing thread gets three quarters of the core. With 10 it would
@@ -24,8 +23,7 @@ const LOWERED_PRIORITY: i32 = 5;
 pub(super) struct Slots {
     /// Jobs that wait for a slot.
     pub(super) queue: Arc<Queue>,
-    /// How the coordinators share the slots.
-    pub(super) shares: Arc<FairShare>,
+    shares: Arc<Mutex<FairShare>>,
     /// What the slots offer, and what to release when they are not used.
     pub(super) simulator: Arc<dyn Simulator>,
     /// Number of jobs that can run at once.
@@ -44,7 +42,7 @@ impl Slots {
         let (count, give_way) = (config.slots, config.give_way);
         let slots = Slots {
             queue: Arc::new(Queue::new(count)),
-            shares: Arc::new(FairShare::new(inboxes.iter().cloned())),
+            shares: Arc::new(Mutex::new(FairShare::new(inboxes.iter().cloned()))),
             at_once: count * simulator.side_by_side(),
             simulator: Arc::clone(&simulator),
         };
@@ -62,10 +60,15 @@ impl Slots {
         Ok(slots)
     }
 
+    /// How the coordinators share the slots.
+    pub(crate) fn shares(&self) -> MutexGuard<'_, FairShare> {
+        locked(&self.shares)
+    }
+
     /// Removes the waiting tasks of a coordinator that are `unwanted`; returns them.
     pub(crate) fn withdraw(&self, coordinator: usize, unwanted: impl Fn(&Task) -> bool) -> Vec<Task> {
         let jobs = self.queue.withdraw(|job| job.coordinator == coordinator && unwanted(&job.task));
-        self.shares.ended(coordinator, jobs.len(), Instant::now());
+        self.shares().ended(coordinator, jobs.len(), Instant::now());
         jobs.into_iter().map(|job| job.task).collect()
     }
 }
@@ -79,7 +82,7 @@ impl Drop for Slots {
 
 fn work(
     queue: &Queue,
-    shares: &FairShare,
+    shares: &Mutex<FairShare>,
     simulator: &dyn Simulator,
     name: &str,
     inboxes: &[Sender<ClaimEvent>],
@@ -92,7 +95,7 @@ fn work(
             &mut |mine| queue.another(mine),
             &mut |coordinator, outcome| {
                 queue.ended();
-                shares.ended(coordinator, 1, Instant::now());
+                locked(shares).ended(coordinator, 1, Instant::now());
                 // A claim loop that has ended discards outcomes.
                 let _ = inboxes[coordinator].send(ClaimEvent::Finished(Box::new(outcome)));
             },

@@ -1,12 +1,11 @@
 //! Starts and stops a worker: its slots, and one claim loop for each of its coordinators.
 
-use super::claim_event::ClaimEvent;
 use super::claim_loop::ClaimLoop;
 use super::connection_monitor::ConnectionMonitor;
 use super::leave_policy::LeavePolicy;
-use super::link::{Link, LinkSettings, link_settings};
+use super::link::{Link, link_settings};
 use super::slots::Slots;
-use super::{Departure, ServiceConfig, ServiceError, Simulator, new_epoch};
+use super::{ClaimEvent, Departure, ServiceConfig, ServiceError, Simulator, new_epoch};
 use common::wire::{WorkerId, worker_name};
 use std::sync::Arc;
 use std::sync::mpsc::{Sender, channel};
@@ -21,35 +20,25 @@ impl Stopper {
     /// Stops the worker: it takes no new tasks, lets running tasks continue for [`ServiceConfig::drain`], returns its
     /// finished outcomes and leaves. The coordinator gives unfinished tasks to other workers.
     pub fn stop(&self) {
-        self.send(|| ClaimEvent::Stop);
+        // The claim loops may have ended already.
+        self.0.iter().for_each(|inbox| _ = inbox.send(ClaimEvent::Stop));
     }
 
     /// Aborts the worker: it drops tasks and outcomes at once, as after a crash.
     pub fn abort(&self) {
-        self.send(|| ClaimEvent::Abort);
-    }
-
-    fn send(&self, event: impl Fn() -> ClaimEvent) {
-        for inbox in &self.0 {
-            // The claim loop may have ended already.
-            let _ = inbox.send(event());
-        }
+        self.0.iter().for_each(|inbox| _ = inbox.send(ClaimEvent::Abort));
     }
 }
 
 /// A running worker, on separate threads.
 #[derive(Debug)]
 pub struct WorkerHandle {
-    stopper: Stopper,
+    /// Stops the worker.
+    pub stopper: Stopper,
     claims: Vec<JoinHandle<Result<Departure, ServiceError>>>,
 }
 
 impl WorkerHandle {
-    /// A handle that stops the worker.
-    pub fn stopper(&self) -> Stopper {
-        self.stopper.clone()
-    }
-
     /// True if the worker has ended.
     pub fn has_ended(&self) -> bool {
         self.claims.iter().all(JoinHandle::is_finished)
@@ -102,8 +91,8 @@ pub fn spawn(config: ServiceConfig, simulator: Arc<dyn Simulator>) -> Result<Wor
     }
     let worker = WorkerId { name: worker_name(&config.name), epoch: new_epoch() };
     let (inboxes, received): (Vec<_>, Vec<_>) = config.connect.iter().map(|_| channel()).unzip();
-    let links: Vec<LinkSettings> =
-        config.connect.iter().map(|endpoint| link_settings(&config, endpoint)).collect::<Result<_, _>>()?;
+    let links = config.connect.iter().map(|endpoint| link_settings(&config, endpoint));
+    let links = links.collect::<Result<Vec<_>, _>>()?;
     let slots = Slots::start(&config, &worker.name, simulator, &inboxes).map_err(ServiceError::Thread)?;
     let slots = Arc::new(slots);
     let started = Instant::now();
@@ -114,7 +103,7 @@ pub fn spawn(config: ServiceConfig, simulator: Arc<dyn Simulator>) -> Result<Wor
         let serve = move || {
             let mut monitor = ConnectionMonitor::new(&config.connect[coordinator], config.give_up_after);
             let leave_policy = LeavePolicy::new(&config, started);
-            let departure = |now: Instant| leave_policy.over_before_work(now, slots.shares.idle_for(now));
+            let departure = |now: Instant| leave_policy.over_before_work(now, slots.shares().idle_for(now));
             match Link::connect(&link, &config, &worker, &inbox, &received, &mut monitor, departure)? {
                 Ok(link) => ClaimLoop::new(config, worker, coordinator, link, slots, monitor, leave_policy)
                     .run(&received),

@@ -19,12 +19,11 @@ use common::failure::SimulationFailure;
 use common::scene::{Faults, SceneSource};
 use common::umbridge::{
     ErrorBody, ErrorReply, EvaluateRequest, Evaluated, INVALID_INPUT, Info, InputSizes, MODEL_NOT_FOUND,
-    ModelInfo, ModelInfoRequest, OutputSizes, PROTOCOL_VERSION, SIMULATION_FAILED, SizesRequest, Support,
-    UNSUPPORTED_FEATURE,
+    ModelInfo, OutputSizes, PROTOCOL_VERSION, SIMULATION_FAILED, SizesRequest, Support, UNSUPPORTED_FEATURE,
 };
 use common::wire::find_non_finite;
 use serde::Serialize;
-use serde::de::DeserializeOwned;
+use serde::de::{DeserializeOwned, IgnoredAny};
 use serde_json::{Map, Value};
 use std::net::{Ipv4Addr, SocketAddr};
 use std::sync::Arc;
@@ -140,7 +139,7 @@ async fn info() -> Json<Info> {
 
 async fn model_info(State(state): State<Arc<ServerState>>, body: Bytes) -> Response {
     reply((|| {
-        let request: ModelInfoRequest = read(&body)?;
+        let request: SizesRequest<IgnoredAny> = read(&body)?;
         state.0.configured(&request.name, None)?;
         Ok(ModelInfo { support: Support { evaluate: true, ..Support::default() } })
     })())
@@ -277,7 +276,7 @@ impl Model {
         let scene = self.source.resolve_sample(sample).map_err(invalid)?;
         let evaluation = simulate(&scene, &accuracy.accuracy, SimulateOptions::default()).map_err(failed)?;
         match find_non_finite(&evaluation) {
-            Some(found) => Err(body(format!("{} is not finite", found.quantity))),
+            Some((quantity, _)) => Err(body(format!("{quantity} is not finite"))),
             None => Ok(Evaluated { output: evaluation.histories }),
         }
     }

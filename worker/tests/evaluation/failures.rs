@@ -1,10 +1,10 @@
 //! What cannot be simulated is said by name, within a bounded number of steps.
 
 use crate::scenes::{RPM, every_joint, scene, short};
+use crate::standalone::standalone;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::scene::{Clearance, Load, Scene, SceneSource};
-use worker::service::Job;
 use worker::simulate::{SimulateOptions, simulate};
 use worker::simulator::simulator;
 
@@ -78,7 +78,7 @@ fn an_invalid_sample_is_an_outcome() {
     let mut sample = source.means();
     sample[0] = 1.4e-3;
     for sample in [sample, vec![1.0]] {
-        let found = simulator.simulate(&Job::standalone(source.text(), &sample, Accuracy::draft()));
+        let found = simulator.simulate(&standalone(source.text(), &sample, Accuracy::draft()));
         assert!(matches!(found, Err(SimulationFailure::InvalidSample { .. })), "{found:?}");
     }
 }

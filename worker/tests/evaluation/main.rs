@@ -33,6 +33,8 @@ mod scenes;
 mod settling;
 mod side_by_side;
 mod single_cycle;
+#[path = "../standalone/mod.rs"]
+mod standalone;
 mod start_motion;
 mod transformed;
 mod turn_of_body;

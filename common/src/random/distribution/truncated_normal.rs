@@ -27,21 +27,6 @@ pub struct TruncatedNormal {
     pub(super) upper: f64,
 }
 
-/// A truncated normal in standardised form.
-struct Standardised {
-    a: f64,
-    b: f64,
-    /// Z = Phi(b) - Phi(a) [1].
-    mass: f64,
-}
-
-impl Standardised {
-    /// phi(z) and z phi(z) [1] at both bounds; zero at infinity.
-    fn bounds(&self) -> [[f64; 2]; 2] {
-        [self.a, self.b].map(|z| [standard_normal_pdf(z), moment(z)])
-    }
-}
-
 /// z phi(z) [1]; zero at infinity.
 fn moment(z: f64) -> f64 {
     if z.is_finite() { z * standard_normal_pdf(z) } else { 0.0 }
@@ -56,9 +41,16 @@ impl TruncatedNormal {
         Ok(Self { mean, std, lower, upper })
     }
 
-    fn standardised(&self) -> Standardised {
+    /// The standardised bounds a and b, and Z = Phi(b) - Phi(a) [1].
+    fn standardised(&self) -> (f64, f64, f64) {
         let (a, b) = (self.z(self.lower), self.z(self.upper));
-        Standardised { a, b, mass: standard_normal_mass(a, b) }
+        (a, b, standard_normal_mass(a, b))
+    }
+
+    /// phi(z) and z phi(z) [1] at both bounds, zero at infinity, and Z.
+    fn at_bounds(&self) -> ([[f64; 2]; 2], f64) {
+        let (a, b, mass) = self.standardised();
+        ([a, b].map(|z| [standard_normal_pdf(z), moment(z)]), mass)
     }
 
     fn z(&self, x: f64) -> f64 {
@@ -71,37 +63,36 @@ impl Law for TruncatedNormal {
         if x < self.lower || x > self.upper {
             return 0.0;
         }
-        standard_normal_pdf(self.z(x)) / (self.std * self.standardised().mass)
+        standard_normal_pdf(self.z(x)) / (self.std * self.standardised().2)
     }
 
     fn probability(&self, x: f64, tail: Tail) -> f64 {
         if x <= self.lower || x >= self.upper {
             return f64::from(u8::from((x <= self.lower) == (tail == Tail::Upper)));
         }
-        let (s, z) = (self.standardised(), self.z(x));
-        let (from, to) = if tail == Tail::Lower { (s.a, z) } else { (z, s.b) };
-        standard_normal_mass(from, to) / s.mass
+        let ((a, b, mass), z) = (self.standardised(), self.z(x));
+        let (from, to) = if tail == Tail::Lower { (a, z) } else { (z, b) };
+        standard_normal_mass(from, to) / mass
     }
 
     fn at(&self, p: f64, tail: Tail) -> f64 {
-        let s = self.standardised();
+        let (a, b, mass) = self.standardised();
         // The upper tail is the lower one of -X.
-        let (bound, sign) = if tail == Tail::Lower { (s.a, 1.0) } else { (-s.b, -1.0) };
+        let (bound, sign) = if tail == Tail::Lower { (a, 1.0) } else { (-b, -1.0) };
         let z = if bound > 0.0 {
-            -standard_normal_quantile(standard_normal_cdf(-bound) - p * s.mass)
+            -standard_normal_quantile(standard_normal_cdf(-bound) - p * mass)
         } else {
-            standard_normal_quantile(standard_normal_cdf(bound) + p * s.mass)
+            standard_normal_quantile(standard_normal_cdf(bound) + p * mass)
         };
         (self.mean + self.std * (sign * z)).clamp(self.lower, self.upper)
     }
 
     /// mean + std (phi(a) - phi(b)) / Z, and the root of std^2 (1 + (a phi(a) - b phi(b)) / Z - ((phi(a) - phi(b)) / Z)^2).
     fn mean_and_std(&self) -> (f64, f64) {
-        let s = self.standardised();
-        let [[phi_a, moment_a], [phi_b, moment_b]] = s.bounds();
-        let shift = (phi_a - phi_b) / s.mass;
-        let variance = 1.0 + (moment_a - moment_b) / s.mass - shift * shift;
-        (self.mean + self.std * (phi_a - phi_b) / s.mass, self.std * variance.max(0.0).sqrt())
+        let ([[phi_a, moment_a], [phi_b, moment_b]], mass) = self.at_bounds();
+        let shift = (phi_a - phi_b) / mass;
+        let variance = 1.0 + (moment_a - moment_b) / mass - shift * shift;
+        (self.mean + self.std * (phi_a - phi_b) / mass, self.std * variance.max(0.0).sqrt())
     }
 
     fn parent_mean(&self) -> f64 {
@@ -132,9 +123,8 @@ impl Law for TruncatedNormal {
     }
 
     fn score_function(&self) -> Box<dyn Fn(f64) -> [f64; 2] + '_> {
-        let s = self.standardised();
-        let [[phi_a, moment_a], [phi_b, moment_b]] = s.bounds();
-        let (by_mean, by_std) = ((phi_b - phi_a) / s.mass, (moment_b - moment_a) / s.mass);
+        let ([[phi_a, moment_a], [phi_b, moment_b]], mass) = self.at_bounds();
+        let (by_mean, by_std) = ((phi_b - phi_a) / mass, (moment_b - moment_a) / mass);
         Box::new(move |x| {
             let z = self.z(x);
             [(z + by_mean) / self.std, (z * z - 1.0 + by_std) / self.std]
@@ -143,11 +133,10 @@ impl Law for TruncatedNormal {
 
     /// (phi(a) - phi(z) - F (phi(a) - phi(b))) / (std Z), and this with z phi(z) in place of phi(z).
     fn cdf_derivatives(&self, x: f64) -> [f64; 2] {
-        let s = self.standardised();
         let z = self.z(x.clamp(self.lower, self.upper));
         let (below, above) = (self.cdf(x), self.survival(x));
-        let [[phi_a, moment_a], [phi_b, moment_b]] = s.bounds();
-        let integral = |a: f64, z: f64, b: f64| (above * a + below * b - z) / (self.std * s.mass);
+        let ([[phi_a, moment_a], [phi_b, moment_b]], mass) = self.at_bounds();
+        let integral = |a: f64, z: f64, b: f64| (above * a + below * b - z) / (self.std * mass);
         [integral(phi_a, standard_normal_pdf(z), phi_b), integral(moment_a, moment(z), moment_b)]
     }
 }

@@ -92,11 +92,10 @@ fn deviations_follow_their_formulae() {
 
 #[test]
 fn a_fit_has_the_clearance_of_its_limits() {
-    let fit = Fit::parse("H7/e8").unwrap();
-    let (mean, std) = fit.clearance(0.025, 1.0).unwrap();
+    let (mean, std) = clearance_of_fit("H7/e8", 0.025, 1.0).unwrap();
     assert!((mean * MICRO - (10.5 + 56.5)).abs() < 1e-9);
     assert!((std * MICRO - (3.5_f64.powi(2) + 5.5_f64.powi(2)).sqrt()).abs() < 1e-9);
-    let (same, finer) = fit.clearance(0.025, 1.33).unwrap();
+    let (same, finer) = clearance_of_fit("H7/e8", 0.025, 1.33).unwrap();
     assert!((same - mean).abs() < 1e-18 && (finer * 1.33 / std - 1.0).abs() < 1e-12);
 }
 
@@ -110,7 +109,7 @@ fn what_is_no_fit_is_refused() {
         ("K7/e8", "\"K7\" is not a tolerance class"),
         ("H4/e8", "grade 5 to 11"),
     ] {
-        let found = Fit::parse(fit).unwrap_err().to_string();
+        let found = clearance_of_fit(fit, 0.025, 1.0).unwrap_err().to_string();
         assert!(found.contains(expected), "{fit}: {found}");
     }
     for (fit, diameter, expected) in [
@@ -118,10 +117,10 @@ fn what_is_no_fit_is_refused() {
         ("H7/e8", 0.0, "a diameter of 0 mm"),
         ("H7/p6", 0.1, "H7/p6 at 100 mm has a clearance of -30.5 +- 20.7 um"),
     ] {
-        let found = Fit::parse(fit).unwrap().clearance(diameter, 1.0);
+        let found = clearance_of_fit(fit, diameter, 1.0);
         assert!(found.unwrap_err().to_string().contains(expected), "{fit} {diameter}");
     }
     // Limits that touch, but three standard deviations that do not.
-    let (mean, std) = Fit::parse("H7/h6").unwrap().clearance(0.025, 1.0).unwrap();
+    let (mean, std) = clearance_of_fit("H7/h6", 0.025, 1.0).unwrap();
     assert!((mean * MICRO - 17.0).abs() < 1e-9 && (3.0 * std * MICRO - 12.35).abs() < 0.01);
 }

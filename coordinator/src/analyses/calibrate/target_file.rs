@@ -141,7 +141,7 @@ fn published(file: &mut Section, folder: &Path) -> Table {
     let name = file.get("reference").and_then(|_| file.text("reference", "a file with a table [published]"));
     let Some(name) = name else { return Table::new() };
     let read = InputFile::load(&folder.join(name)).map_err(|Faults(faults)| faults[0].to_string());
-    let table = read.and_then(|read| match read.document().get("published") {
+    let table = read.and_then(|read| match read.document.get("published") {
         Some(Value::Table(published)) => Ok(published.clone()),
         _ => Err(format!("{name} has no table [published]")),
     });
@@ -216,7 +216,7 @@ impl TargetReader<'_> {
         if keys.is_empty() {
             row.inconsistent("changes", "is empty, expected keys of the scene");
         }
-        let known = self.source.quantities();
+        let known = &self.source.quantities;
         for key in keys {
             row.reference("changes", "quantity", key, known.keys().map(String::as_str));
             let owner = variables.iter().find(|variable| variable.changes.iter().any(|other| other == key));

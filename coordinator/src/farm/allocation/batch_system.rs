@@ -6,8 +6,23 @@
 use std::fmt;
 use std::str::FromStr;
 
-/// The worker's job under Slurm, given to `sbatch` as standard input.
-const SLURM_SCRIPT: &str = include_str!("../../../../deploy/slurm/workers.sbatch");
+/// Slurm: `sbatch` receives the worker's job as standard input.
+const SLURM: [&str; 4] = [
+    "exec sbatch --wait --quiet --export=ALL --job-name=\"$JOB_NAME\"",
+    include_str!("../../../../deploy/slurm/workers.sbatch"),
+    "squeue --noheader --format=%i --name=\"$JOB_NAME\"",
+    "scancel --name=\"$JOB_NAME\" --state=PENDING",
+];
+
+/// HyperQueue. The rows of its table: | number | name | ...
+const HYPERQUEUE: [&str; 4] = [
+    "exec hq submit --wait --name \"$JOB_NAME\" --cpus all --stdout none --stderr none -- worker --connect \"$CONNECT\" \
+     --name \"$WORKER_NAME\" --idle-timeout \"$IDLE_TIMEOUT\" --give-up-after 60 $WORKER_OPTIONS",
+    "",
+    "hq job list --filter waiting,running | awk -F'|' '{ gsub(/ /, \"\") } $3 == ENVIRON[\"JOB_NAME\"] { print $2 }'",
+    "hq job list --filter waiting | awk -F'|' '{ gsub(/ /, \"\") } $3 == ENVIRON[\"JOB_NAME\"] { print $2 }' \
+     | xargs --no-run-if-empty -n 1 hq job cancel",
+];
 
 /// A batch system, or a command for one worker.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -44,47 +59,17 @@ impl fmt::Display for BatchSystem {
 }
 
 impl BatchSystem {
-    /// Shell command that asks for a job and runs until it has ended.
+    /// The shell command that asks for a job and runs until it has ended; its standard input; the command that prints a line for each job of
+    /// the campaign that waits or runs, also those of an earlier coordinator; and the one that withdraws those that still wait. The last two
+    /// are empty for a command for one worker.
     ///
-    /// Its environment has CONNECT, the endpoint of the coordinator, WORKER_NAME, JOB_NAME (the same for all jobs of a campaign) and
+    /// Their environment has CONNECT, the endpoint of the coordinator, WORKER_NAME, JOB_NAME (the same for all jobs of a campaign) and
     /// IDLE_TIMEOUT, the time after which a worker without tasks leaves [s].
-    pub(super) fn submit(&self) -> &str {
+    pub(super) fn commands(&self) -> [&str; 4] {
         match self {
-            BatchSystem::Slurm => "exec sbatch --wait --quiet --export=ALL --job-name=\"$JOB_NAME\"",
-            BatchSystem::HyperQueue => {
-                "exec hq submit --wait --name \"$JOB_NAME\" --cpus all --stdout none --stderr none -- worker --connect \"$CONNECT\" \
-                 --name \"$WORKER_NAME\" --idle-timeout \"$IDLE_TIMEOUT\" --give-up-after 60 $WORKER_OPTIONS"
-            }
-            BatchSystem::Command(command) => command,
-        }
-    }
-
-    /// Standard input of that command.
-    pub(super) fn script(&self) -> &'static str {
-        if *self == BatchSystem::Slurm { SLURM_SCRIPT } else { "" }
-    }
-
-    /// Shell command that prints a line for each job of the campaign that waits or runs, also those of an earlier coordinator.
-    pub(super) fn list(&self) -> Option<&'static str> {
-        match self {
-            BatchSystem::Slurm => Some("squeue --noheader --format=%i --name=\"$JOB_NAME\""),
-            BatchSystem::HyperQueue => Some(
-                // Rows of its table: | number | name | ...
-                "hq job list --filter waiting,running | awk -F'|' '{ gsub(/ /, \"\") } $3 == ENVIRON[\"JOB_NAME\"] { print $2 }'",
-            ),
-            BatchSystem::Command(_) => None,
-        }
-    }
-
-    /// Shell command that withdraws the jobs of the campaign that still wait.
-    pub(super) fn withdraw(&self) -> Option<&'static str> {
-        match self {
-            BatchSystem::Slurm => Some("scancel --name=\"$JOB_NAME\" --state=PENDING"),
-            BatchSystem::HyperQueue => Some(
-                "hq job list --filter waiting | awk -F'|' '{ gsub(/ /, \"\") } $3 == ENVIRON[\"JOB_NAME\"] { print $2 }' \
-                 | xargs --no-run-if-empty -n 1 hq job cancel",
-            ),
-            BatchSystem::Command(_) => None,
+            BatchSystem::Slurm => SLURM,
+            BatchSystem::HyperQueue => HYPERQUEUE,
+            BatchSystem::Command(command) => [command, "", "", ""],
         }
     }
 }

@@ -139,7 +139,10 @@ impl Jobs {
 
     /// Jobs of the campaign that the batch system lists; zero where it cannot be asked.
     fn listed(&self) -> usize {
-        let Some(list) = self.settings.system.list() else { return 0 };
+        let [_, _, list, _] = self.settings.system.commands();
+        if list.is_empty() {
+            return 0;
+        }
         let output = self.shell(list).stderr(Stdio::null()).output().map(|output| output.stdout);
         output.unwrap_or_default().split(|byte| *byte == b'\n').filter(|line| !line.is_empty()).count()
     }
@@ -148,8 +151,9 @@ impl Jobs {
         self.counted.asked += 1;
         // Workers of an earlier coordinator may still be connected: their names are those of another process.
         let worker = format!("{NAME}{}-{}", std::process::id(), self.counted.asked);
+        let [submit, script, ..] = self.settings.system.commands();
         let mut process = self
-            .shell(self.settings.system.submit())
+            .shell(submit)
             .env("WORKER_NAME", &worker)
             .stdin(Stdio::piped())
             .stdout(Stdio::null())
@@ -157,8 +161,7 @@ impl Jobs {
             .process_group(0)
             .spawn()?;
         // A command that does not read its input has ended, or needs none.
-        let _ =
-            process.stdin.take().map(|mut input| input.write_all(self.settings.system.script().as_bytes()));
+        let _ = process.stdin.take().map(|mut input| input.write_all(script.as_bytes()));
         let stderr = process.stderr.take();
         let complaint = std::thread::spawn(move || {
             let lines =
@@ -187,7 +190,8 @@ impl Jobs {
 
     /// Withdraws the jobs that wait, and ends the processes of all.
     pub(super) fn close(mut self) {
-        if let Some(withdraw) = self.settings.system.withdraw()
+        let [.., withdraw] = self.settings.system.commands();
+        if !withdraw.is_empty()
             && !self.jobs.is_empty()
             && let Err(error) = self.shell(withdraw).output()
         {

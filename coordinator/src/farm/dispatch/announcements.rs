@@ -44,7 +44,7 @@ mod tests {
     const SECOND: Duration = Duration::from_secs(1);
 
     fn points(tasks: std::ops::Range<u64>) -> Vec<CandidatePoint> {
-        tasks.map(|task| CandidatePoint { task, sample: vec![] }).collect()
+        tasks.map(|task| (task, vec![])).collect()
     }
 
     #[test]

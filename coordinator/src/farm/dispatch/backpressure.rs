@@ -2,7 +2,6 @@
 //! messages of the study are never dropped.
 
 use common::wire::Refused;
-use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Most unread queries.
 const MOST_WAITING: usize = 4096;
@@ -10,38 +9,28 @@ const MOST_WAITING: usize = 4096;
 const MOST_BYTES: usize = 256 << 20;
 
 /// Number and size of the unread queries.
-#[derive(Debug, Default, Clone, Copy)]
-struct Backlog {
+#[derive(Debug, Default)]
+pub(super) struct Backpressure {
     messages: usize,
     bytes: usize,
     dropped: Refused,
 }
 
-/// Counts unread queries.
-#[derive(Debug, Default)]
-pub(super) struct Backpressure(Mutex<Backlog>);
-
 impl Backpressure {
     /// Counts a query of `bytes` and returns true if it fits the bounds; otherwise the query must be dropped.
-    pub fn try_admit(&self, bytes: usize) -> bool {
-        let mut backlog = self.backlog();
-        let room = backlog.messages < MOST_WAITING && bytes <= MOST_BYTES - backlog.bytes;
+    pub fn try_admit(&mut self, bytes: usize) -> bool {
+        let room = self.messages < MOST_WAITING && bytes <= MOST_BYTES - self.bytes;
         if room {
-            (backlog.messages, backlog.bytes) = (backlog.messages + 1, backlog.bytes + bytes);
-        } else if let Some(count) = backlog.dropped.count() {
-            tracing::warn!("a query is dropped ({count} so far): {} others are unread", backlog.messages);
+            (self.messages, self.bytes) = (self.messages + 1, self.bytes + bytes);
+        } else if let Some(count) = self.dropped.count() {
+            tracing::warn!("a query is dropped ({count} so far): {} others are unread", self.messages);
         }
         room
     }
 
     /// Removes an admitted query of `bytes`, which was read.
-    pub fn release(&self, bytes: usize) {
-        let mut backlog = self.backlog();
-        (backlog.messages, backlog.bytes) = (backlog.messages - 1, backlog.bytes - bytes);
-    }
-
-    fn backlog(&self) -> MutexGuard<'_, Backlog> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    pub fn release(&mut self, bytes: usize) {
+        (self.messages, self.bytes) = (self.messages - 1, self.bytes - bytes);
     }
 }
 
@@ -51,12 +40,12 @@ mod tests {
 
     #[test]
     fn neither_many_small_messages_nor_few_large_ones_fill_the_memory() {
-        let backpressure = Backpressure::default();
+        let mut backpressure = Backpressure::default();
         assert!((0..MOST_WAITING).all(|_| backpressure.try_admit(100)));
         assert!(!backpressure.try_admit(0));
         backpressure.release(100);
         assert!(backpressure.try_admit(100) && !backpressure.try_admit(100));
-        let backpressure = Backpressure::default();
+        let mut backpressure = Backpressure::default();
         assert!((0..16).all(|_| backpressure.try_admit(16 << 20)));
         assert!(!backpressure.try_admit(1) && backpressure.try_admit(0));
         backpressure.release(16 << 20);

@@ -2,21 +2,19 @@
 
 use super::announcements::Announcements;
 use super::backpressure::Backpressure;
-use super::scheduler::{Action, Assignment, Event, Scheduler, SchedulerSettings, Token};
-use super::status_board::StatusBoard;
-use super::throughput::Throughput;
+use super::scheduler::{Action, Event, Scheduler, SchedulerSettings, Token};
+use super::status_board::{StatusBoard, Throughput};
 use super::transport::{Incoming, IncomingQuery, Outgoing, Transport};
-use super::warn::warn;
 use crate::farm::evaluate::{Finished, Request};
-use common::build::Build;
 use common::evaluation_shape::EvaluationShape;
 use common::failure::SimulationFailure;
+use common::locks::locked;
 use common::wire::{
     self, Claim, Message, Next, Notice, Outcome, Refused, Reply, Status, WireError, WorkOrder, WorkerId,
 };
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Time after which an idle worker claims again, unless a notice arrives first [ms].
@@ -68,21 +66,19 @@ pub struct ConnectedWorkers {
 impl ConnectedWorkers {
     /// Workers connected now.
     pub fn workers(&self) -> Vec<ConnectedWorker> {
-        self.lock().clone()
-    }
-
-    fn lock(&self) -> MutexGuard<'_, Vec<ConnectedWorker>> {
-        self.workers.lock().unwrap_or_else(PoisonError::into_inner)
+        locked(&self.workers).clone()
     }
 
     /// Waits until `enough` returns true; false after `timeout`.
     pub fn wait_for(&self, timeout: Duration, mut enough: impl FnMut(&[ConnectedWorker]) -> bool) -> bool {
-        let waited = self.changed.wait_timeout_while(self.lock(), timeout, |workers| !enough(workers));
+        let waited =
+            self.changed.wait_timeout_while(locked(&self.workers), timeout, |workers| !enough(workers));
         !waited.unwrap_or_else(PoisonError::into_inner).1.timed_out()
     }
 
     fn set<'a>(&self, workers: impl Iterator<Item = (&'a WorkerId, u32)>) {
-        *self.lock() = workers.map(|(id, slots)| ConnectedWorker { name: id.name.clone(), slots }).collect();
+        *locked(&self.workers) =
+            workers.map(|(id, slots)| ConnectedWorker { name: id.name.clone(), slots }).collect();
         self.changed.notify_all();
     }
 }
@@ -91,8 +87,6 @@ impl ConnectedWorkers {
 pub(super) struct DispatchLoop {
     scheduler: Scheduler,
     campaign: u64,
-    /// The only build whose results are used; `None`: any.
-    build: Option<Build>,
     /// Scene and settings sent with the tasks.
     order: WorkOrder,
     /// Shape of the outcomes; `None`: any.
@@ -102,7 +96,7 @@ pub(super) struct DispatchLoop {
     board: StatusBoard,
     throughput: Throughput,
     announcements: Announcements,
-    backpressure: Arc<Backpressure>,
+    backpressure: Arc<Mutex<Backpressure>>,
     started: Instant,
     unanswered: BTreeMap<Token, IncomingQuery>,
     next_token: Token,
@@ -123,11 +117,10 @@ impl DispatchLoop {
         transport: Transport,
         connected: Arc<ConnectedWorkers>,
         board: StatusBoard,
-        backpressure: Arc<Backpressure>,
+        backpressure: Arc<Mutex<Backpressure>>,
     ) -> Self {
         Self {
             campaign: settings.campaign,
-            build: settings.build,
             scheduler: Scheduler::new(settings),
             order,
             shape,
@@ -205,12 +198,12 @@ impl DispatchLoop {
     }
 
     fn handle_incoming(&mut self, incoming: Incoming) {
-        if let Some(bytes) = incoming.query_size() {
-            self.backpressure.release(bytes);
-        }
         match incoming {
-            Incoming::Claim(query) => self.handle_claim(query),
-            Incoming::StatusQuery(query) => {
+            Incoming::Query(query) => {
+                locked(&self.backpressure).release(query.size());
+                if query.is_claim() {
+                    return self.handle_claim(query);
+                }
                 let status = self.status();
                 self.answer(query, &status);
             }
@@ -286,18 +279,18 @@ impl DispatchLoop {
                 self.deliver(Ok(finished));
             }
             Action::GiveUp(task, reason) => self.deliver(Err((task, reason))),
-            Action::Reply(token, acknowledged, assignment) => {
+            Action::Reply(token, acknowledged, tasks) => {
                 let Some(query) = self.unanswered.remove(&token) else { return };
-                let next = match assignment {
-                    Assignment::Work(tasks) => Next::Work(WorkOrder { tasks, ..self.order.clone() }),
-                    Assignment::Idle => Next::Idle { ask_again: ASK_AGAIN },
-                    Assignment::Leave => Next::Leave { campaign: self.campaign },
+                let next = match tasks {
+                    None => Next::Leave { campaign: self.campaign },
+                    Some(tasks) if tasks.is_empty() => Next::Idle { ask_again: ASK_AGAIN },
+                    Some(tasks) => Next::Work(WorkOrder { tasks, ..self.order.clone() }),
                 };
                 self.answer(query, &Reply { acknowledged, next });
             }
             Action::Announce(points) => self.announcements.add(points),
             Action::AnnounceEnd => self.publish(&Notice::Ended { campaign: self.campaign }),
-            Action::Warn(warning) => warn(&warning, &self.order.subject, self.build),
+            Action::Warn(warning) => tracing::warn!("{warning}"),
         }
     }
 

@@ -4,18 +4,19 @@ use super::backpressure::Backpressure;
 use super::dispatch_loop::{ConnectedWorker, ConnectedWorkers, DispatchLoop, Input};
 use super::scheduler::{CrossCheck, LICENCE_HOLD, SchedulerSettings};
 use super::status_board::StatusBoard;
-use super::transport::{Listen, Transport};
+use super::transport::{Incoming, Listen, Transport};
 use super::{DispatchError, MAX_SCENE};
-use crate::farm::evaluate::{EvaluateError, Evaluator, POLL_INTERVAL, PendingRequests, RequestSource};
+use crate::farm::evaluate::{EvaluateError, Evaluator, POLL_INTERVAL, RequestSource, next_requests};
 use common::accuracy::Accuracy;
 use common::build::Build;
 use common::evaluation_shape::EvaluationShape;
-use common::external::SimulatorId;
+use common::external::{SimulatorId, SlotError};
+use common::locks::locked;
 use common::wire::{self, Message, Next, Reply, Status, Subject, WorkOrder};
 use std::collections::BTreeSet;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -72,9 +73,12 @@ pub struct CampaignSimulator {
 pub struct ZenohEvaluator {
     inputs: Sender<Input>,
     dispatch_thread: Option<JoinHandle<()>>,
-    connected: Arc<ConnectedWorkers>,
-    board: StatusBoard,
-    endpoints: Vec<String>,
+    /// The connected workers, shared with the dispatch loop.
+    pub connected: Arc<ConnectedWorkers>,
+    /// The board to which the study posts its progress.
+    pub board: StatusBoard,
+    /// Endpoints to which workers can connect, e.g. `tcp/127.0.0.1:37021`.
+    pub endpoints: Vec<String>,
     licences: Option<u32>,
     interrupted: Arc<AtomicBool>,
 }
@@ -111,10 +115,12 @@ impl ZenohEvaluator {
         Reply { acknowledged: vec![], next: Next::Work(order.clone()) }.check()?;
 
         let (inputs, received) = channel();
-        let backpressure = Arc::new(Backpressure::default());
+        let backpressure = Arc::new(Mutex::new(Backpressure::default()));
         let (to_loop, bounds) = (inputs.clone(), Arc::clone(&backpressure));
         let transport = Transport::open(listen, move |incoming| {
-            if incoming.query_size().is_none_or(|bytes| bounds.try_admit(bytes)) {
+            let is_admitted =
+                !matches!(&incoming, Incoming::Query(query) if !locked(&bounds).try_admit(query.size()));
+            if is_admitted {
                 // The dispatch loop runs as long as the session, so a send fails only after its end.
                 let _ = to_loop.send(Input::Transport(incoming));
             }
@@ -140,38 +146,14 @@ impl ZenohEvaluator {
         Ok(Self { inputs, dispatch_thread, connected, board, endpoints, licences, interrupted })
     }
 
-    /// Endpoints to which workers can connect, e.g. `tcp/127.0.0.1:37021`.
-    pub fn endpoints(&self) -> &[String] {
-        &self.endpoints
-    }
-
-    /// The board to which the study posts its progress.
-    pub fn status_board(&self) -> StatusBoard {
-        self.board.clone()
-    }
-
     /// A handle for status queries from this process.
     pub fn status_handle(&self) -> StatusHandle {
         StatusHandle(self.inputs.clone())
     }
 
-    /// The connected workers, shared with the dispatch loop.
-    pub fn connected_workers(&self) -> Arc<ConnectedWorkers> {
-        Arc::clone(&self.connected)
-    }
-
     /// Workers connected now.
     pub fn workers(&self) -> Vec<ConnectedWorker> {
         self.connected.workers()
-    }
-
-    /// Waits until `enough` returns true for the connected workers; false after `timeout`.
-    pub fn wait_for_workers(
-        &self,
-        timeout: Duration,
-        enough: impl FnMut(&[ConnectedWorker]) -> bool,
-    ) -> bool {
-        self.connected.wait_for(timeout, enough)
     }
 
     /// Ends the campaign: notifies the workers, waits until they have left or none has left for 2 s, and stops listening. An
@@ -181,7 +163,7 @@ impl ZenohEvaluator {
             return;
         }
         let mut connected = self.workers().len();
-        while !self.wait_for_workers(FAREWELL, <[_]>::is_empty) {
+        while !self.connected.wait_for(FAREWELL, <[_]>::is_empty) {
             let left = self.workers().len();
             if left >= connected {
                 tracing::debug!("{left} workers are still connected");
@@ -198,15 +180,15 @@ impl ZenohEvaluator {
     /// Submits requests and records outcomes until the source is exhausted and no request is open.
     fn collect(&self, source: &mut dyn RequestSource) -> Result<(), EvaluateError> {
         let (sender, deliveries) = channel();
-        let (mut pending, mut open) = (PendingRequests::default(), BTreeSet::new());
+        let (mut exhausted, mut open) = (false, BTreeSet::new());
         let mut given_up = None;
         loop {
-            let requests = pending.drain(source)?;
+            let requests = next_requests(source, &mut exhausted)?;
             if !requests.is_empty() {
                 open.extend(requests.iter().map(|request| request.id));
                 self.send(Input::Submit(requests, sender.clone()))?;
             }
-            if open.is_empty() && pending.exhausted {
+            if open.is_empty() && exhausted {
                 return given_up.map_or(Ok(()), Err);
             }
             let stopping = self.interrupted.load(Ordering::Relaxed);
@@ -229,7 +211,7 @@ impl ZenohEvaluator {
                         open.remove(&task);
                         given_up.get_or_insert(EvaluateError::GivenUp(task, reason));
                         // The run ends with this error, so no further request is started.
-                        pending.exhausted = true;
+                        exhausted = true;
                     }
                 }
             }
@@ -302,7 +284,7 @@ fn settings(campaign: u64, simulator: Option<&CampaignSimulator>) -> SchedulerSe
 }
 
 fn loop_ended() -> EvaluateError {
-    EvaluateError::ThreadEnded("the dispatch thread")
+    EvaluateError::Slot(SlotError::ThreadEnded("the dispatch thread"))
 }
 
 /// A scene within its limit always fits a message.

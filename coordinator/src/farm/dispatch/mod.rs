@@ -15,15 +15,13 @@ mod dispatch_loop;
 mod evaluator;
 pub mod scheduler;
 mod status_board;
-mod throughput;
 mod transport;
-mod warn;
 
 pub use dispatch_loop::{ConnectedWorker, ConnectedWorkers};
 pub use evaluator::{CampaignSimulator, CampaignSpec, StatusHandle, ZenohEvaluator};
 pub use scheduler::CrossCheck;
 pub use status_board::{StatusBoard, clock_ms};
-pub use transport::{ClientError, ClientSession, Listen, LivelinessGuard, Watch, Watched, watch};
+pub use transport::{ClientError, ClientSession, Listen, LivelinessGuard, Watch, watch};
 
 use common::wire::WireError;
 use std::path::PathBuf;

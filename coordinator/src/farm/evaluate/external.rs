@@ -3,24 +3,9 @@
 
 use super::local::run_on_threads;
 use super::{EvaluateError, Evaluator, Request, RequestSource};
-use common::external::{OpenedSimulator, SimulatorError, Slot, SlotRequest, StopSignal};
-use common::scene::{ExternalSimulator, Scene};
+use common::external::{SimulatorError, Slot, SlotRequest, StopSignal};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-
-/// Opens the simulator of a scene, which gives whole lives, on `slots` slots; the model of a server is checked against the scene.
-///
-/// # Errors
-/// [`SimulatorError`].
-pub fn open(
-    simulator: &ExternalSimulator,
-    scene: &Scene,
-    slots: usize,
-    interrupted: Arc<AtomicBool>,
-) -> Result<Box<dyn Evaluator>, SimulatorError> {
-    let opened = OpenedSimulator::open(simulator, scene)?;
-    on_slots((0..slots).map(|number| opened.slot(number)).collect(), interrupted)
-}
 
 /// An evaluator on these slots. The first program is started here, so that a program that cannot start is reported at once.
 ///
@@ -141,7 +126,7 @@ mod tests {
     #[test]
     fn an_error_of_one_slot_ends_the_batch_and_stops_the_others() {
         let error = evaluator(2, 5, 3).evaluate(&batch(1000), &mut |_| Ok(())).unwrap_err();
-        assert!(matches!(error, EvaluateError::ThreadEnded("a test")));
+        assert!(matches!(error, EvaluateError::Slot(SlotError::ThreadEnded("a test"))));
     }
 
     #[test]

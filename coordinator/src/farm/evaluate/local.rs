@@ -2,14 +2,14 @@
 //! this module gives to each thread.
 
 use super::{
-    EvaluateError, EvaluationResult, Evaluator, Finished, POLL_INTERVAL, PendingRequests, Request,
-    RequestSource,
+    EvaluateError, EvaluationResult, Evaluator, Finished, POLL_INTERVAL, Request, RequestSource,
+    next_requests,
 };
 use common::external::StopSignal;
-use std::collections::VecDeque;
+use common::locks::locked;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
-use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 /// Evaluates requests by a closure `F` on a fixed number of threads.
@@ -59,16 +59,16 @@ where
 {
     let has_ended = Arc::new(AtomicBool::new(false));
     let stop = StopSignal::new([Arc::clone(interrupted), Arc::clone(&has_ended)]);
-    let queue = Queue::default();
+    let (queue, requests) = channel::<Request>();
+    let (requests, stop) = (&Mutex::new(requests), &stop);
     let (sender, outcomes) = channel();
     std::thread::scope(|scope| {
         for mut evaluate in threads {
-            let (sender, queue, stop) = (sender.clone(), &queue, &stop);
+            let (sender, end) = (sender.clone(), EndAll(Arc::clone(&has_ended)));
             scope.spawn(move || {
-                let _closed = CloseAtEnd(queue);
-                while !stop.is_set()
-                    && let Some(request) = queue.take()
-                {
+                let _end = end;
+                let next = || locked(requests).recv().ok().filter(|_| !stop.is_set());
+                while let Some(request) = next() {
                     let started = Instant::now();
                     let evaluated = evaluate(&request, stop);
                     let wall = started.elapsed().as_secs_f64();
@@ -80,65 +80,34 @@ where
             });
         }
         drop(sender);
-        // The threads end on every path out of this scope.
-        let _closed = CloseAtEnd(&queue);
-        let collected = collect(source, &queue, &outcomes, &stop);
-        has_ended.store(true, Ordering::Relaxed);
-        collected
+        let _end = EndAll(has_ended);
+        collect(source, queue, &outcomes, stop)
     })
 }
 
-/// Requests that no thread has taken yet.
-#[derive(Debug, Default)]
-struct Queue {
-    waiting: Mutex<QueueState>,
-    changed: Condvar,
-}
+/// Sets the stop signal when dropped: at the end, after an error, and when a simulation panics.
+struct EndAll(Arc<AtomicBool>);
 
-#[derive(Debug, Default)]
-struct QueueState {
-    requests: VecDeque<Request>,
-    closed: bool,
-}
-
-impl Queue {
-    /// Waits for the next request; `None` once the queue is closed.
-    fn take(&self) -> Option<Request> {
-        let waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
-        let idle = |w: &mut QueueState| w.requests.is_empty() && !w.closed;
-        let mut waiting = self.changed.wait_while(waiting, idle).unwrap_or_else(PoisonError::into_inner);
-        if waiting.closed { None } else { waiting.requests.pop_front() }
-    }
-
-    fn add(&self, requests: Vec<Request>) {
-        self.waiting.lock().unwrap_or_else(PoisonError::into_inner).requests.extend(requests);
-        self.changed.notify_all();
-    }
-}
-
-/// Closes a queue when dropped: at the end, after an error, and when a simulation panics.
-struct CloseAtEnd<'a>(&'a Queue);
-
-impl Drop for CloseAtEnd<'_> {
+impl Drop for EndAll {
     fn drop(&mut self) {
-        self.0.waiting.lock().unwrap_or_else(PoisonError::into_inner).closed = true;
-        self.0.changed.notify_all();
+        self.0.store(true, Ordering::Relaxed);
     }
 }
 
 /// Queues requests and records outcomes until the source is exhausted and nothing is running.
 fn collect(
     source: &mut dyn RequestSource,
-    queue: &Queue,
+    queue: Sender<Request>,
     outcomes: &Receiver<Result<Finished, EvaluateError>>,
     stop: &StopSignal,
 ) -> Result<(), EvaluateError> {
-    let (mut pending, mut open) = (PendingRequests::default(), 0);
+    let (mut exhausted, mut open) = (false, 0);
     loop {
-        let requests = pending.drain(source)?;
+        let requests = next_requests(source, &mut exhausted)?;
         open += requests.len();
-        queue.add(requests);
-        if open == 0 && pending.exhausted {
+        // A queue whose threads have ended takes no more.
+        requests.into_iter().for_each(|request| _ = queue.send(request));
+        if open == 0 && exhausted {
             return Ok(());
         }
         if stop.is_set() {

@@ -5,7 +5,7 @@ pub mod external;
 pub mod local;
 
 use common::accuracy::Accuracy;
-use common::external::{SimulatorError, SlotError};
+use common::external::SlotError;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 use std::time::Duration;
@@ -66,21 +66,16 @@ pub enum EvaluateError {
     /// sample that crashes its worker. Its number, and the number of attempts and how they ended.
     #[error("evaluation {0} was given up: {1}")]
     GivenUp(u64, String),
-    /// The operating system cannot start a thread.
-    #[error("cannot start a thread: {0}")]
-    Thread(std::io::Error),
-    /// A thread that evaluates or dispatches requests has ended without reporting why: a defect of the program.
-    #[error("{0} has ended unexpectedly")]
-    ThreadEnded(&'static str),
     /// The evaluator returned an outcome of this number that was not requested.
     #[error("evaluation {0} was not requested")]
     UnrequestedOutcome(u64),
     /// The evaluator ended without an outcome of the request of this number.
     #[error("evaluation {0} has no outcome")]
     NoOutcome(u64),
-    /// The simulator named by the scene cannot be used.
+    /// The simulator named by the scene cannot be used, or a thread that evaluates or dispatches requests cannot be started or has ended
+    /// without reporting why.
     #[error(transparent)]
-    Simulator(#[from] SimulatorError),
+    Slot(SlotError),
     /// The source could not record an outcome.
     #[error("an outcome could not be recorded: {0}")]
     Record(Box<dyn std::error::Error + Send + Sync>),
@@ -90,9 +85,7 @@ impl From<SlotError> for EvaluateError {
     fn from(error: SlotError) -> Self {
         match error {
             SlotError::Stopped => Self::Interrupted,
-            SlotError::Thread(error) => Self::Thread(error),
-            SlotError::ThreadEnded(thread) => Self::ThreadEnded(thread),
-            SlotError::Simulator(error) => Self::Simulator(error),
+            other => Self::Slot(other),
         }
     }
 }
@@ -198,26 +191,20 @@ impl RequestSource for Batch<'_> {
     }
 }
 
-/// Drains the requests currently available from a source.
-#[derive(Debug, Default)]
-pub(crate) struct PendingRequests {
-    /// True if no further requests are asked for.
-    pub exhausted: bool,
-}
-
-impl PendingRequests {
-    /// Requests that the source wants to be started now; none once it is exhausted.
-    pub fn drain(&mut self, source: &mut dyn RequestSource) -> Result<Vec<Request>, EvaluateError> {
-        let mut all = Vec::new();
-        while !self.exhausted {
-            match source.next()? {
-                Demand::Begin(requests) => all.extend(requests),
-                Demand::Later => break,
-                Demand::End => self.exhausted = true,
-            }
+/// Requests that a source wants to be started now; none once it is exhausted.
+pub(crate) fn next_requests(
+    source: &mut dyn RequestSource,
+    exhausted: &mut bool,
+) -> Result<Vec<Request>, EvaluateError> {
+    let mut all = Vec::new();
+    while !*exhausted {
+        match source.next()? {
+            Demand::Begin(requests) => all.extend(requests),
+            Demand::Later => break,
+            Demand::End => *exhausted = true,
         }
-        Ok(all)
     }
+    Ok(all)
 }
 
 /// Difference of results of external simulators beyond their stated errors that counts as none, relative to the values [1].

@@ -32,7 +32,7 @@ impl WrittenScene {
     /// Reads the text of a scene that stands alone.
     pub fn new(text: &str) -> Self {
         let Ok(source) = SceneSource::parse(text, "scene.toml") else { return Self::default() };
-        let document = source.document();
+        let document = &source.document;
         let mut written = Self { units: source.nominal().units.clone(), ..Self::default() };
         let table = document.get("parameters").and_then(Value::as_table);
         let parameters: Vec<&String> = table.into_iter().flat_map(Table::keys).collect();

@@ -14,7 +14,7 @@ use toml::Value;
 
 /// Bounds that the scene gives, by variable.
 pub fn fixed_bounds(source: &SceneSource) -> Vec<[bool; 2]> {
-    let rows = source.document().get("variables").and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
+    let rows = source.document.get("variables").and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
     let given = |name: &str| {
         let row = rows.iter().find(|row| row.get("name").and_then(Value::as_str) == Some(name));
         ["lower", "upper"].map(|key| row.is_some_and(|row| row.get(key).is_some()))

@@ -133,15 +133,15 @@ pub fn fitted_draws(
 
 fn by_pivots(family: Family, samples: &[f64], rng: &mut dyn Rng) -> Option<Distribution> {
     let y = family.transformed(samples);
-    let of_samples = family.standard_fit(&y);
+    let (own_location, own_scale) = family.standard_fit(&y);
     let standard = family.standard();
     let mut z = || standard.at(rng.random::<f64>().max(f64::EPSILON / 4.0), Tail::Lower);
-    let pivot = family.standard_fit(&(0..y.len()).map(|_| z()).collect::<Vec<f64>>());
-    let scale = of_samples.scale / pivot.scale;
-    let location = of_samples.location - pivot.location * scale;
+    let (pivot_location, pivot_scale) = family.standard_fit(&(0..y.len()).map(|_| z()).collect::<Vec<f64>>());
+    let scale = own_scale / pivot_scale;
+    let location = own_location - pivot_location * scale;
     // Values whose fit has this location and scale.
     let value = |y: &f64| {
-        let y = location + scale * (y - of_samples.location) / of_samples.scale;
+        let y = location + scale * (y - own_location) / own_scale;
         match family {
             Family::Normal | Family::Exponential | Family::Gumbel(Extreme::Maxima) => y,
             Family::Gumbel(Extreme::Minima) => -y,

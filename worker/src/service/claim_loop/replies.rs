@@ -1,7 +1,6 @@
 //! What follows from the reply to a claim: work, a pause, or the end of the campaign.
 
-use super::{ClaimLoop, QUEUE_EMPTY_PAUSE};
-use crate::service::claim_event::PendingClaim;
+use super::{ClaimLoop, PendingClaim, QUEUE_EMPTY_PAUSE};
 use crate::service::unacknowledged::UnacknowledgedResults;
 use crate::service::{Departure, Job, ServiceError};
 use common::wire::{self, Next, Reply, WireError, WorkOrder};
@@ -50,7 +49,7 @@ impl ClaimLoop {
                 self.claim_at = if received < credits { now + QUEUE_EMPTY_PAUSE } else { now };
             }
             Next::Idle { ask_again } => {
-                self.slots.shares.answered(self.coordinator, 0, now);
+                self.slots.shares().answered(self.coordinator, 0, now);
                 // Without credits, the reply says nothing about the queue.
                 if credits > 0 {
                     self.claim_at =
@@ -72,7 +71,7 @@ impl ClaimLoop {
         }
         tracing::info!("the campaign at {} has ended", self.config.connect[self.coordinator]);
         self.pending = None;
-        self.slots.shares.answered(self.coordinator, 0, now);
+        self.slots.shares().answered(self.coordinator, 0, now);
         self.slots.simulator.on_campaign_ended();
         self.withdraw(|_| true);
         self.unacknowledged = UnacknowledgedResults::default();
@@ -90,7 +89,7 @@ impl ClaimLoop {
         if self.leaving_since.is_some() {
             tasks.clear();
         }
-        self.slots.shares.answered(self.coordinator, tasks.len(), now);
+        self.slots.shares().answered(self.coordinator, tasks.len(), now);
         self.contact.licensed = order.licensed;
         let order = Arc::new(order);
         self.running.extend(tasks.iter().map(|task| (task.clone(), now)));

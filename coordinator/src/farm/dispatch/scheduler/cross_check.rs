@@ -4,7 +4,7 @@
 
 use super::tasks::Phase;
 use super::workers::Worker;
-use super::{Action, Scheduler, Warning};
+use super::{Action, Scheduler};
 use crate::farm::evaluate::Finished;
 use common::wire::WorkerId;
 
@@ -80,9 +80,7 @@ impl Scheduler {
     /// Excludes a worker whose result others contradict; the doubt about its earlier ones, if there are any.
     fn distrust(&mut self, id: &WorkerId, task: u64, agreed: &str) -> Option<String> {
         let reason = format!("its result of evaluation {task} is not that of {agreed}");
-        if self.workers.exclude_unusable(id) {
-            self.actions.push(Action::Warn(Warning::Unusable(id.clone(), reason.clone())));
-        }
+        self.exclude(id, &reason);
         let before = self.held.passed_on.get(id).copied().filter(|number| *number > 0)?;
         let WorkerId { name, .. } = id;
         Some(format!(

@@ -17,12 +17,15 @@ struct Hand {
     finished: Vec<Outcome>,
 }
 
+/// Worker and number of a claim, what the worker may discard, and its tasks; none to leave.
+type SentReply = (WorkerId, u64, Vec<TaskKey>, Option<Vec<Task>>);
+
 /// The scheduler with workers and the messages in transit.
 struct Farm {
     scheduler: Scheduler,
     hands: Vec<Hand>,
     claims: Vec<(usize, Claim)>,
-    replies: Vec<(WorkerId, u64, Vec<TaskKey>, Assignment)>,
+    replies: Vec<SentReply>,
     tokens: BTreeMap<Token, (WorkerId, u64)>,
     unrecorded: Vec<u64>,
     given_up: Vec<u64>,
@@ -68,13 +71,13 @@ impl Farm {
                     self.unrecorded.push(finished.id);
                 }
                 Action::GiveUp(task, _) => self.given_up.push(task),
-                Action::Reply(token, acknowledged, assignment) => {
+                Action::Reply(token, acknowledged, tasks) => {
                     for key in &acknowledged {
                         let ended = self.recorded.contains(&key.task) || self.given_up.contains(&key.task);
                         assert!(ended, "task {} was acknowledged before it was durable", key.task);
                     }
                     let (id, sequence) = self.tokens.remove(&token).expect("each claim is answered once");
-                    self.replies.push((id, sequence, acknowledged, assignment));
+                    self.replies.push((id, sequence, acknowledged, tasks));
                 }
                 Action::Announce(_) | Action::AnnounceEnd | Action::Warn(_) => {}
             }
@@ -103,7 +106,7 @@ impl Farm {
     }
 
     fn deliver_reply(&mut self, at: usize) {
-        let (id, sequence, acknowledged, assignment) = self.replies.swap_remove(at);
+        let (id, sequence, acknowledged, tasks) = self.replies.swap_remove(at);
         let Some(hand) = self.hands.iter_mut().find(|hand| hand.id == id) else { return };
         // A worker ignores replies to all but its latest claim.
         if hand.sequence != sequence {
@@ -111,12 +114,10 @@ impl Farm {
         }
         hand.finished.retain(|outcome| !acknowledged.contains(&outcome.task.key));
         hand.running.retain(|task| !acknowledged.contains(&task.key));
-        if let Assignment::Work(tasks) = assignment {
-            for task in tasks {
-                let held = hand.finished.iter().map(|o| &o.task).chain(&hand.running);
-                if !held.into_iter().any(|other| other.same_work(&task)) {
-                    hand.running.push(task);
-                }
+        for task in tasks.into_iter().flatten() {
+            let held = hand.finished.iter().map(|o| &o.task).chain(&hand.running);
+            if !held.into_iter().any(|other| other.same_work(&task)) {
+                hand.running.push(task);
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Who gets tasks of an external simulator, how many at once, and what follows from a simulator that cannot be used.
 
-use super::tests::{CAMPAIGN, START, ask, claim, numbers, outcome, reply, requests, worker};
+use super::tests::{CAMPAIGN, START, ask, claim, numbers, outcome, reply, requests, warnings, worker};
 use super::*;
 use common::external::SimulatorId;
 use common::wire::{Offers, Subject, Task};
@@ -63,9 +63,8 @@ fn only_workers_with_the_same_simulator_get_tasks() {
         let again = Claim { sequence: claim.sequence + 10, ..claim.clone() };
         let actions = ask(&mut s, START, claim);
         assert_eq!(reply(&actions), Some((vec![], vec![])), "{}", id.name);
-        assert!(actions.iter().any(|action| {
-            matches!(action, Action::Warn(Warning::NotOffered(worker, ..)) if *worker == id)
-        }));
+        let expected = format!("worker {} gets no evaluations: the study is of simulator beam", id.name);
+        assert!(warnings(&actions)[0].starts_with(&expected), "{actions:?}");
         // Once.
         assert_eq!(ask(&mut s, START, again).len(), 1);
     }
@@ -181,7 +180,7 @@ fn a_worker_that_cannot_use_its_simulator_gets_no_more_tasks() {
     let mut s = scheduler(&[&a, &b], 2, None);
     let mine = tasks(&mut s, START, Claim { credits: 1, ..of_beam(&a, 1, vec![], &[]) });
     let actions = ask(&mut s, START, of_beam(&a, 2, vec![unusable(&mine[0], &a)], &[]));
-    assert!(matches!(&actions[0], Action::Warn(Warning::Unusable(worker, ..)) if *worker == a));
+    assert_eq!(warnings(&actions), ["worker a gets no more evaluations: no licence file"]);
     // It is acknowledged, nothing is delivered, and the task returns to the queue without a loss.
     assert_eq!(reply(&actions), Some((vec![0], vec![])));
     assert_eq!(tasks(&mut s, START, of_beam(&a, 3, vec![], &[])), vec![]);

@@ -28,11 +28,9 @@ mod cross_check;
 #[cfg(test)]
 mod cross_check_tests;
 mod event;
-mod external;
 #[cfg(test)]
 mod farm_tests;
 mod held_outcomes;
-mod licences;
 #[cfg(test)]
 mod licences_tests;
 mod losses;
@@ -48,22 +46,24 @@ mod workers;
 #[cfg(test)]
 mod workers_tests;
 
-pub use event::{Action, Assignment, Event, Token, Warning};
+pub use event::{Action, Event, Token};
 pub use held_outcomes::CrossCheck;
-pub use licences::LICENCE_HOLD;
+pub use losses::LICENCE_HOLD;
 pub use settings::SchedulerSettings;
 
 use crate::farm::evaluate::{Finished, Request};
 use common::failure::SimulationFailure;
 use common::wire::{CandidatePoint, Claim, FarmStatus, Offers, Outcome, TaskKey, WorkerId, WorkerStatus};
 use held_outcomes::{HeldOutcomes, may_evaluate};
-use licences::HeldLicences;
 use pending_replies::{PendingReplies, PendingReply};
 use std::collections::BTreeSet;
 use std::time::Duration;
-use tasks::{OutcomeStatus, TaskStatus, TaskTable};
+use tasks::{TaskStatus, TaskTable};
 use worker_warnings::WorkerWarnings;
 use workers::Workforce;
+
+/// Most tasks in one reply.
+const MOST_TASKS: u32 = 1024;
 
 /// The state machine.
 #[derive(Debug)]
@@ -73,7 +73,8 @@ pub struct Scheduler {
     workers: Workforce,
     pending_replies: PendingReplies,
     warnings: WorkerWarnings,
-    held_licences: HeldLicences,
+    /// Licences that programs of lost workers may still use: the worker, and until when each is held.
+    held_licences: Vec<(WorkerId, Duration)>,
     held: HeldOutcomes,
     /// Time and text of the last report of an unusable simulator since a worker claimed tasks that offers the subject.
     unusable: Option<(Duration, String)>,
@@ -99,7 +100,7 @@ impl Scheduler {
             workers: Workforce::default(),
             pending_replies: PendingReplies::default(),
             warnings: WorkerWarnings::default(),
-            held_licences: HeldLicences::default(),
+            held_licences: Vec::new(),
             held: HeldOutcomes::default(),
             unusable: None,
             longest_wall: None,
@@ -136,7 +137,7 @@ impl Scheduler {
                 self.check_held();
                 self.give_up_unusable();
                 let open = if self.workers.any_eligible() { 0 } else { self.tasks.open() };
-                let warning = self.warnings.check_unattended(now, open, &self.settings);
+                let warning = self.warnings.check_unattended(now, open);
                 self.actions.extend(warning.map(Action::Warn));
             }
         }
@@ -150,6 +151,10 @@ impl Scheduler {
     }
 
     /// Announces these points, if there are any.
+    fn warn(&mut self, warning: String) {
+        self.actions.push(Action::Warn(warning));
+    }
+
     fn announce(&mut self, points: Vec<CandidatePoint>) {
         self.actions.extend((!points.is_empty()).then_some(Action::Announce(points)));
     }
@@ -161,7 +166,7 @@ impl Scheduler {
 
     /// Number that increases whenever [`Scheduler::workers`] changes.
     pub fn revision(&self) -> u64 {
-        self.workers.revision()
+        self.workers.revision
     }
 
     /// The workers and the queue now, without evaluations done and rates.
@@ -230,11 +235,13 @@ impl Scheduler {
         }
         if self.workers.get(&id).is_none() {
             pending.credits = 0;
-            self.held_licences.extend(&id, self.now);
+            self.extend_licences(&id);
             self.actions.extend(self.warnings.on_claim_without_token(&id).map(Action::Warn));
         } else if self.workers.register_claim(&id, sequence, slots, offered) {
             if !offered {
-                self.actions.extend(self.warnings.on_claim_without_subject(&id, offers).map(Action::Warn));
+                self.actions.extend(
+                    self.warnings.on_claim_without_subject(&id, &offers, &self.settings).map(Action::Warn),
+                );
             }
             let lost = self.workers.missing_leases(&id, &kept, leaving);
             self.account_for_licences(&id, leaving, &running);
@@ -288,21 +295,26 @@ impl Scheduler {
             self.on_unusable(&pending.worker, key, reason);
             return;
         }
-        match self.tasks.accept(&task) {
-            OutcomeStatus::OtherCampaign => {
+        match self.tasks.status(key.task) {
+            _ if key.campaign != self.settings.campaign => {
                 pending.acknowledged.push(key);
                 self.actions.extend(self.warnings.on_other_campaign(&pending.worker).map(Action::Warn));
             }
-            OutcomeStatus::NotNeeded => pending.acknowledged.push(key),
-            OutcomeStatus::OtherSample => {
+            TaskStatus::Ended => pending.acknowledged.push(key),
+            TaskStatus::NotRequested => {}
+            _ if !self.tasks.has_work(&task) => {
                 pending.acknowledged.push(key);
-                self.actions.push(Action::Warn(Warning::OtherSample(pending.worker.clone(), key.task)));
+                let (name, task) = (&pending.worker.name, key.task);
+                self.warn(format!(
+                    "worker {name} returned an outcome of another sample as evaluation {task}; it is not used"
+                ));
             }
-            OutcomeStatus::NotRequested => {}
-            OutcomeStatus::Duplicate => {
+            TaskStatus::Delivered => {
                 pending.waiting.insert(key.task);
             }
-            OutcomeStatus::First => {
+            // The first outcome, which counts.
+            TaskStatus::Open => {
+                self.tasks.set_delivered(key.task);
                 self.longest_wall = Some(self.longest_wall.map_or(wall, |longest| longest.max(wall)));
                 self.workers.record_evaluation(&pending.worker, key.task, wall, self.now);
                 self.workers.release_from_all(key.task);
@@ -334,15 +346,15 @@ impl Scheduler {
         else {
             return;
         };
-        let assignment = match self.workers.get(&id).map(|worker| worker.leases.len()) {
-            _ if self.finishing => Assignment::Leave,
+        let tasks = match self.workers.get(&id).map(|worker| worker.leases.len()) {
+            _ if self.finishing => None,
             // The worker was lost after its claim; tasks sent to it would be lost too.
-            None => Assignment::Idle,
-            Some(_) if !self.is_settled() => Assignment::Idle,
+            None => Some(vec![]),
+            Some(_) if !self.is_settled() => Some(vec![]),
             Some(leased) => {
                 let room = self.workers.share(&id, self.tasks.open()).saturating_sub(leased);
                 let room = room.min(self.licences_for(&id));
-                let wanted = room.min(credits.min(self.settings.most_tasks) as usize);
+                let wanted = room.min(credits.min(MOST_TASKS) as usize);
                 let losses = self.losses_bound(&id);
                 let (held, workers) = (&self.held, &self.workers);
                 let is_open = |request: &Request| {
@@ -350,8 +362,7 @@ impl Scheduler {
                 };
                 let mut tasks = self.tasks.lease(wanted, losses, is_open);
                 if tasks.len() < wanted && self.settings.licences.is_none() {
-                    let SchedulerSettings { straggler_factor, straggler_least, .. } = self.settings;
-                    let late = self.workers.stragglers(&id, self.now, straggler_factor, straggler_least);
+                    let late = self.workers.stragglers(&id, self.now, self.settings.straggler_factor);
                     let late = late.filter(|task| !held.has(*task, &id));
                     let copies = late.filter_map(|task| self.tasks.copy(task, losses));
                     tasks.extend(copies.take(wanted - tasks.len()));
@@ -359,10 +370,10 @@ impl Scheduler {
                 for task in &tasks {
                     self.workers.lease(&id, task.key.task, self.now);
                 }
-                if tasks.is_empty() { Assignment::Idle } else { Assignment::Work(tasks) }
+                Some(tasks)
             }
         };
-        self.actions.push(Action::Reply(token, acknowledged, assignment));
+        self.actions.push(Action::Reply(token, acknowledged, tasks));
     }
 
     /// Bound on the losses of a task that may go to this worker (exclusive).

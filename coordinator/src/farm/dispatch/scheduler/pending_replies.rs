@@ -17,12 +17,11 @@ pub(super) struct PendingReply {
     pub waiting: BTreeSet<u64>,
 }
 
-/// All pending replies, by token, task and worker.
+/// All pending replies, by token and task.
 #[derive(Debug, Default)]
 pub(super) struct PendingReplies {
     pending: BTreeMap<Token, PendingReply>,
     by_task: BTreeMap<u64, Vec<Token>>,
-    by_worker: BTreeMap<WorkerId, Vec<Token>>,
 }
 
 impl PendingReplies {
@@ -31,18 +30,14 @@ impl PendingReplies {
         for &task in &pending.waiting {
             self.by_task.entry(task).or_default().push(token);
         }
-        self.by_worker.entry(pending.worker.clone()).or_default().push(token);
         self.pending.insert(token, pending);
     }
 
     /// Removes the credits of all replies to a worker, which has sent a newer claim: it ignores replies to older claims,
     /// so tasks in them would be lost.
     pub fn withdraw_credits(&mut self, worker: &WorkerId) {
-        for token in self.by_worker.get(worker).into_iter().flatten() {
-            if let Some(pending) = self.pending.get_mut(token) {
-                pending.credits = 0;
-            }
-        }
+        let of_worker = self.pending.values_mut().filter(|pending| pending.worker == *worker);
+        of_worker.for_each(|pending| pending.credits = 0);
     }
 
     /// Acknowledges a durable outcome in all replies that waited for it; returns their tokens.
@@ -67,16 +62,7 @@ impl PendingReplies {
 
     /// Removes a reply that waits for no further outcome; `None` if it still waits.
     pub fn take_ready(&mut self, token: Token) -> Option<PendingReply> {
-        if !self.pending.get(&token)?.waiting.is_empty() {
-            return None;
-        }
-        let pending = self.pending.remove(&token)?;
-        if let Some(tokens) = self.by_worker.get_mut(&pending.worker) {
-            tokens.retain(|other| *other != token);
-            if tokens.is_empty() {
-                self.by_worker.remove(&pending.worker);
-            }
-        }
-        Some(pending)
+        let is_ready = self.pending.get(&token)?.waiting.is_empty();
+        if is_ready { self.pending.remove(&token) } else { None }
     }
 }

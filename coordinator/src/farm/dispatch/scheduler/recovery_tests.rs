@@ -62,7 +62,7 @@ fn after_a_restart_tasks_wait_for_the_workers_that_hold_them() {
     assert_eq!(s.on_event(SECOND / 2, Event::Tick), vec![]);
     // Idle workers are notified of the remaining task.
     let actions = s.on_event(SECOND, Event::Tick);
-    assert!(matches!(&actions[..], [Action::Announce(points)] if points.len() == 1 && points[0].task == 1));
+    assert!(matches!(&actions[..], [Action::Announce(points)] if points.len() == 1 && points[0].0 == 1));
     assert_eq!(s.on_event(2 * SECOND, Event::Tick), vec![]);
     let (_, tasks) = reply(&ask(&mut s, 2 * SECOND, claim(&b, 2, 2, vec![], &[]))).unwrap();
     assert_eq!(numbers(&tasks), [1]);
@@ -197,7 +197,7 @@ fn a_straggler_survives_either_of_its_workers() {
         let actions = s.on_event(9 * SECOND, Event::WorkerLost(dies.clone()));
         assert!(!actions.iter().any(|c| matches!(c, Action::Announce(_))), "{actions:?}");
         let actions = s.on_event(9 * SECOND, Event::WorkerLost(stays.clone()));
-        assert!(actions.iter().any(|c| matches!(c, Action::Announce(points) if points[0].task == 0)));
+        assert!(actions.iter().any(|c| matches!(c, Action::Announce(points) if points[0].0 == 0)));
     }
 }
 

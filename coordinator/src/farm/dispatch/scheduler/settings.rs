@@ -5,6 +5,12 @@ use common::build::Build;
 use common::wire::{Offers, Subject};
 use std::time::Duration;
 
+/// Deadline as a multiple of the longest simulation so far [1].
+const DEADLINE_FACTOR: f64 = 10.0;
+
+/// Simulators of a worker that are listed.
+const SHOWN: usize = 5;
+
 /// Deadlines and limits of the scheduler.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SchedulerSettings {
@@ -23,22 +29,11 @@ pub struct SchedulerSettings {
     pub losses_allowed: u32,
     /// Deadline of a task before the first simulation has ended.
     pub first_deadline: Duration,
-    /// Deadline as a multiple of the longest simulation so far [1].
-    pub deadline_factor: f64,
     /// Lower bound of the deadline.
     pub shortest_deadline: Duration,
-    /// Time without any worker that offers the subject before a warning, and before the campaign is given up if all of
-    /// them have reported an unusable simulator; and before a repeated one if the number of tasks has changed.
-    pub unattended: Duration,
-    /// Time before the warning is repeated with an unchanged number of tasks.
-    pub still_unattended: Duration,
-    /// Most tasks in one reply.
-    pub most_tasks: u32,
     /// A task goes to a second, idle worker once its lease is older than this multiple of the mean time from lease to
     /// outcome [1].
     pub straggler_factor: f64,
-    /// Lower bound of that age.
-    pub straggler_least: Duration,
     /// Time after the start in which no task is leased, so that workers of an earlier coordinator can claim what they are
     /// running.
     pub settle: Duration,
@@ -53,6 +48,29 @@ impl SchedulerSettings {
         }
     }
 
+    /// The warning about a worker that gets no tasks because of what it offers.
+    pub(super) fn not_offered(&self, worker: &str, offers: &Offers) -> String {
+        let (wanted, offered) = match (&self.subject, self.build, offers) {
+            (Subject::Scene(_), Some(ours), Offers::Scenes(theirs)) if ours != *theirs => {
+                return format!(
+                    "worker {worker} gets no evaluations: its program is build {theirs}, that of the coordinator build {ours}, and their \
+                     results may differ; start the worker with the program of the coordinator, or the study with --mixed-builds"
+                );
+            }
+            (subject, _, Offers::Scenes(_)) => (subject, "simulations of mechanisms".to_owned()),
+            (subject, _, Offers::Simulators(all)) => {
+                let shown: Vec<String> = all.iter().take(SHOWN).map(ToString::to_string).collect();
+                let more = if all.len() > SHOWN { ", ..." } else { "" };
+                (subject, format!("{}{more}", shown.join(", ")))
+            }
+        };
+        let wanted = match wanted {
+            Subject::Scene(_) => "a mechanism".to_owned(),
+            Subject::Simulator(id) => format!("simulator {id}"),
+        };
+        format!("worker {worker} gets no evaluations: the study is of {wanted}, the worker offers {offered}")
+    }
+
     /// The default settings for a campaign.
     pub fn new(campaign: u64) -> Self {
         Self {
@@ -63,13 +81,8 @@ impl SchedulerSettings {
             licences: None,
             losses_allowed: 3,
             first_deadline: Duration::from_secs(3600),
-            deadline_factor: 10.0,
             shortest_deadline: Duration::from_secs(120),
-            unattended: Duration::from_secs(5),
-            still_unattended: Duration::from_secs(60),
-            most_tasks: 1024,
             straggler_factor: 2.0,
-            straggler_least: Duration::from_secs(1),
             settle: Duration::ZERO,
         }
     }
@@ -78,7 +91,7 @@ impl SchedulerSettings {
     pub(super) fn deadline(&self, longest_wall: Option<f64>) -> Duration {
         match longest_wall {
             None => self.first_deadline,
-            Some(wall) => Duration::try_from_secs_f64(wall * self.deadline_factor)
+            Some(wall) => Duration::try_from_secs_f64(wall * DEADLINE_FACTOR)
                 .unwrap_or(Duration::MAX)
                 .max(self.shortest_deadline),
         }

@@ -26,7 +26,7 @@ struct Entry {
 
 impl Entry {
     fn point(&self) -> CandidatePoint {
-        CandidatePoint { task: self.request.id, sample: self.request.sample.clone() }
+        (self.request.id, self.request.sample.clone())
     }
 
     fn task(&self, campaign: u64) -> Task {
@@ -39,23 +39,6 @@ impl Entry {
             level: self.request.level,
         }
     }
-}
-
-/// How an outcome relates to the tasks of the campaign.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum OutcomeStatus {
-    /// It belongs to another campaign.
-    OtherCampaign,
-    /// It belongs to a task that has ended.
-    NotNeeded,
-    /// It has the number of a task, but another sample.
-    OtherSample,
-    /// It belongs to this campaign, but this coordinator has not requested it yet.
-    NotRequested,
-    /// An earlier outcome was delivered and is not durable yet.
-    Duplicate,
-    /// It is the first outcome, which counts.
-    First,
 }
 
 /// State of a task that a worker holds.
@@ -170,7 +153,7 @@ impl TaskTable {
         self.entries.get_mut(&id).filter(|entry| entry.phase == phase)
     }
 
-    /// Marks a task whose outcome was held as delivered.
+    /// Marks a task as delivered.
     pub fn set_delivered(&mut self, id: u64) {
         if let Some(entry) = self.entries.get_mut(&id) {
             entry.phase = Phase::Delivered;
@@ -216,22 +199,9 @@ impl TaskTable {
         }
     }
 
-    pub fn accept(&mut self, done: &Task) -> OutcomeStatus {
-        if done.key.campaign != self.campaign {
-            return OutcomeStatus::OtherCampaign;
-        }
-        let (campaign, status) = (self.campaign, self.status(done.key.task));
-        let Some(entry) = self.entries.get_mut(&done.key.task) else {
-            let ended = status == TaskStatus::Ended;
-            return if ended { OutcomeStatus::NotNeeded } else { OutcomeStatus::NotRequested };
-        };
-        if !entry.task(campaign).same_work(done) {
-            return OutcomeStatus::OtherSample;
-        }
-        match std::mem::replace(&mut entry.phase, Phase::Delivered) {
-            Phase::Delivered => OutcomeStatus::Duplicate,
-            Phase::Queued | Phase::Leased => OutcomeStatus::First,
-        }
+    /// True if a task of this coordinator is the one that was `done`, not another one with its number.
+    pub fn has_work(&self, done: &Task) -> bool {
+        self.entries.get(&done.key.task).is_some_and(|entry| entry.task(self.campaign).same_work(done))
     }
 
     /// Ends a task; false if it was not open.

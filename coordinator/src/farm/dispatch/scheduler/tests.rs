@@ -54,12 +54,21 @@ pub(super) fn scheduler(workers: &[&WorkerId], tasks: u64) -> Scheduler {
 /// The reply in the actions: acknowledged numbers and tasks.
 pub(super) fn reply(actions: &[Action]) -> Option<(Vec<u64>, Vec<Task>)> {
     actions.iter().find_map(|action| match action {
-        Action::Reply(_, acknowledged, assignment) => {
-            let tasks = if let Assignment::Work(tasks) = assignment { tasks.clone() } else { vec![] };
-            Some((acknowledged.iter().map(|key| key.task).collect(), tasks))
+        Action::Reply(_, acknowledged, tasks) => {
+            let acknowledged = acknowledged.iter().map(|key| key.task).collect();
+            Some((acknowledged, tasks.clone().unwrap_or_default()))
         }
         _ => None,
     })
+}
+
+/// The texts of the warnings among some actions.
+pub(super) fn warnings(actions: &[Action]) -> Vec<&str> {
+    let texts = actions.iter().filter_map(|action| match action {
+        Action::Warn(warning) => Some(warning.as_str()),
+        _ => None,
+    });
+    texts.collect()
 }
 
 pub(super) fn numbers(tasks: &[Task]) -> Vec<u64> {
@@ -103,8 +112,8 @@ fn tasks_of_a_lost_worker_return_to_the_front_and_are_announced() {
     let mut s = scheduler(&[&a, &b], 5);
     let (_, tasks) = reply(&ask(&mut s, START, claim(&a, 1, 2, vec![], &[]))).unwrap();
     assert_eq!(numbers(&tasks), [0, 1]);
-    let actions = s.on_event(START, Event::WorkerLost(a.clone()));
-    assert!(actions.contains(&Action::Warn(Warning::WorkerLost(a, vec![0, 1]))));
+    let actions = s.on_event(START, Event::WorkerLost(a));
+    assert_eq!(warnings(&actions), ["worker a was lost; its evaluations [0, 1] are requeued"]);
     assert!(actions.iter().any(|c| matches!(c, Action::Announce(points) if points.len() == 2)));
     let (_, tasks) = reply(&ask(&mut s, START, claim(&b, 2, 3, vec![], &[]))).unwrap();
     assert_eq!(numbers(&tasks), [0, 1, 2]);
@@ -151,7 +160,7 @@ fn a_lease_missing_from_the_claim_is_requeued() {
     // An outdated claim gets nothing, changes nothing and is logged.
     let actions = ask(&mut s, START, claim(&a, 1, 3, vec![], &[]));
     assert_eq!(reply(&actions), Some((vec![], vec![])));
-    assert!(actions.contains(&Action::Warn(Warning::OutdatedClaim(a, 1))));
+    assert!(warnings(&actions)[0].starts_with("a claim of worker a is refused (1 so far)"), "{actions:?}");
 }
 
 #[test]
@@ -192,22 +201,23 @@ fn an_outcome_of_another_campaign_or_sample_is_acknowledged_and_not_used() {
     let (_, tasks) = reply(&ask(&mut s, START, claim(&a, 1, 1, vec![], &[]))).unwrap();
     let mut foreign = outcome(&tasks[0], &a);
     foreign.task.key.campaign = 8;
-    assert_eq!(
-        ask(&mut s, START, claim(&a, 2, 0, vec![foreign], &[0])),
-        vec![
-            Action::Warn(Warning::OtherCampaign(a.clone(), 1)),
-            Action::Reply(2, vec![TaskKey { campaign: 8, task: 0 }], Assignment::Idle)
-        ]
+    let actions = ask(&mut s, START, claim(&a, 2, 0, vec![foreign], &[0]));
+    assert!(
+        warnings(&actions)[0].starts_with("an outcome of worker a is not used (1 so far)"),
+        "{actions:?}"
     );
+    let acknowledged = vec![TaskKey { campaign: 8, task: 0 }];
+    assert_eq!(actions[1..], [Action::Reply(2, acknowledged, Some(vec![]))]);
     let mut other = outcome(&tasks[0], &a);
     other.task.sample[1] = -0.5;
     let actions = ask(&mut s, START, claim(&a, 3, 0, vec![other], &[0]));
-    assert_eq!(actions[0], Action::Warn(Warning::OtherSample(a.clone(), 0)));
+    let expected = "worker a returned an outcome of another sample as evaluation 0; it is not used";
+    assert_eq!(warnings(&actions), [expected]);
     assert_eq!(reply(&actions), Some((vec![0], vec![])));
     let mut otherwise = outcome(&tasks[0], &a);
     otherwise.task.accuracy = Some(common::accuracy::Accuracy::draft());
     let actions = ask(&mut s, START, claim(&a, 4, 0, vec![otherwise], &[0]));
-    assert_eq!(actions[0], Action::Warn(Warning::OtherSample(a, 0)));
+    assert_eq!(warnings(&actions), [expected]);
     assert_eq!(s.tasks.open(), 1);
 }
 
@@ -225,7 +235,8 @@ fn a_deadline_follows_the_longest_simulation() {
     let late = Duration::from_secs(601);
     assert_eq!(s.on_event(Duration::from_secs(600), Event::Tick), vec![]);
     let actions = s.on_event(late, Event::Tick);
-    assert_eq!(actions[0], Action::Warn(Warning::Overdue(a.clone(), 1, late)));
+    let expected = "evaluation 1 has been running on worker a for 601 s; another worker gets it too";
+    assert_eq!(warnings(&actions), [expected]);
     let (_, again) = reply(&ask(&mut s, late, claim(&b, 3, 1, vec![], &[]))).unwrap();
     assert_eq!(numbers(&again), [1]);
     // An outcome of the first worker still counts if it arrives first.
@@ -239,22 +250,26 @@ fn missing_workers_and_liveliness_tokens_are_reported() {
     let second = Duration::from_secs(1);
     assert_eq!(s.on_event(second, Event::Tick), vec![]);
     let actions = s.on_event(6 * second, Event::Tick);
-    assert_eq!(actions, vec![Action::Warn(Warning::NoWorker(4, 5 * second))]);
+    let warning = |open: usize, since: u32| {
+        let text = "evaluations are waiting and no worker that can run them has been connected for";
+        Action::Warn(format!("{open} {text} {since} s"))
+    };
+    assert_eq!(actions, [warning(4, 5)]);
     // The warning is repeated after a minute, with the total time, or at once if the number of tasks changes.
     let until = |s: &mut Scheduler, range: std::ops::RangeInclusive<u32>| -> Vec<(u32, Action)> {
         range.flat_map(|t| s.on_event(t * second, Event::Tick).into_iter().map(move |c| (t, c))).collect()
     };
-    let warning = |open, since| Action::Warn(Warning::NoWorker(open, since * second));
     assert_eq!(until(&mut s, 7..=100), vec![(66, warning(4, 65))]);
     s.on_event(100 * second, Event::Submit(requests(4..6)));
     assert_eq!(until(&mut s, 101..=160), vec![(101, warning(6, 100))]);
     // A worker without a liveliness token gets no tasks, and is reported once.
     let a = worker("a");
-    let warnings: Vec<Action> = (1..40)
+    let others: Vec<Action> = (1..40)
         .flat_map(|sequence| ask(&mut s, second, claim(&a, sequence, 1, vec![], &[])))
-        .filter(|action| !matches!(action, Action::Reply(.., Assignment::Idle)))
+        .filter(|action| !matches!(action, Action::Reply(.., Some(tasks)) if tasks.is_empty()))
         .collect();
-    assert_eq!(warnings, vec![Action::Warn(Warning::NoLiveliness(a))]);
+    let [Action::Warn(warning)] = &others[..] else { panic!("{others:?}") };
+    assert!(warning.starts_with("worker a claims tasks but has no liveliness token"), "{warning}");
 }
 
 #[test]
@@ -267,5 +282,5 @@ fn cancelled_tasks_stay_with_their_workers_and_all_leave_at_the_end() {
     assert_eq!(s.on_event(START, Event::Recorded(0)), vec![]);
     assert_eq!(s.on_event(START, Event::Finish), vec![Action::AnnounceEnd]);
     let actions = ask(&mut s, START, claim(&a, 3, 2, vec![], &[0, 1]));
-    assert!(matches!(&actions[..], [Action::Reply(.., Assignment::Leave)]));
+    assert!(matches!(&actions[..], [Action::Reply(.., None)]));
 }

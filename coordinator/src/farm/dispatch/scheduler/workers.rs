@@ -14,6 +14,8 @@ const NEWEST_TURNAROUND: f64 = 0.1;
 /// Lower bound of a measured evaluation time [s]. Below it, messages and not evaluations bound the rate of a worker, and the
 /// measured times differ by chance: with 1e-6 the shares of 2000 workers with empty tasks differed by orders of magnitude.
 const SHORTEST_WALL: f64 = 1e-3;
+/// Least age of a lease at which its task goes to a second worker.
+const STRAGGLER_LEAST: Duration = Duration::from_secs(1);
 
 /// A connected worker.
 #[derive(Debug, Default)]
@@ -77,7 +79,7 @@ pub(super) struct Workforce {
     /// Running mean of the time from lease to outcome [s].
     turnaround: Option<f64>,
     /// Number that increases whenever a worker joins, leaves or changes its slots.
-    revision: u64,
+    pub revision: u64,
 }
 
 impl Workforce {
@@ -93,10 +95,6 @@ impl Workforce {
     /// Number of tasks that may be running.
     pub fn under_way(&self) -> usize {
         self.workers.values().map(Worker::under_way).sum()
-    }
-
-    pub fn revision(&self) -> u64 {
-        self.revision
     }
 
     pub fn get(&self, id: &WorkerId) -> Option<&Worker> {
@@ -286,18 +284,12 @@ impl Workforce {
     }
 
     /// Tasks leased to exactly one worker other than `requester`, for longer than `factor` times the mean and than
-    /// `least`, the oldest lease first. A requester slower than half the mean speed only gets tasks four times as old: a
+    /// [`STRAGGLER_LEAST`], the oldest lease first. A requester slower than half the mean speed only gets tasks four times as old: a
     /// faster worker is likely to finish earlier.
-    pub fn stragglers(
-        &self,
-        requester: &WorkerId,
-        now: Duration,
-        factor: f64,
-        least: Duration,
-    ) -> impl Iterator<Item = u64> {
+    pub fn stragglers(&self, requester: &WorkerId, now: Duration, factor: f64) -> impl Iterator<Item = u64> {
         let usual = self.turnaround.and_then(|mean| Duration::try_from_secs_f64(factor * mean).ok());
         let multiple = if self.is_slow(requester) { 4 } else { 1 };
-        let until = usual.and_then(|usual| now.checked_sub(multiple * usual.max(least)));
+        let until = usual.and_then(|usual| now.checked_sub(multiple * usual.max(STRAGGLER_LEAST)));
         let late = until.into_iter().flat_map(|until| self.alone.range(..=(until, u64::MAX)));
         let elsewhere = move |task: &u64| self.holders[task].iter().all(|holder| holder != requester);
         late.map(|(_, task)| *task).filter(elsewhere)

@@ -50,7 +50,7 @@ fn a_task_at_two_workers_is_held_until_both_have_lost_it() {
     all.lease(&id("a"), 7, second);
     all.record_evaluation(&id("a"), 7, 1.0, 2 * second);
     let late = |all: &Workforce, requester: &str, at| -> Vec<u64> {
-        all.stragglers(&id(requester), at, 2.0, second).collect()
+        all.stragglers(&id(requester), at, 2.0).collect()
     };
     assert_eq!(late(&all, "b", 2 * second), [] as [u64; 0], "not late yet");
     assert_eq!(late(&all, "b", 3 * second), [7]);
@@ -72,7 +72,7 @@ fn a_slow_worker_gets_a_straggler_only_if_no_faster_one_did() {
     all.record_evaluation(&id("b"), 8, 1.0, second);
     all.release_from_all(8);
     all.record_evaluation(&id("slow"), 9, 10.0, second);
-    let late = |requester: &str, at: u32| all.stragglers(&id(requester), at * second, 2.0, second).count();
+    let late = |requester: &str, at: u32| all.stragglers(&id(requester), at * second, 2.0).count();
     assert_eq!(
         [late("b", 1), late("b", 2), late("slow", 2), late("slow", 7), late("slow", 8)],
         [0, 1, 0, 0, 1]

@@ -9,11 +9,12 @@ mod watchdog;
 
 pub use client_session::{ClientError, ClientSession, LivelinessGuard};
 pub use settings::Listen;
-pub use watchdog::{Watch, Watched, watch};
+pub use watchdog::{Watch, watch};
 
 use super::DispatchError;
+use common::panics::ends_within;
 use common::wire::{WorkerId, is_worker_name, keys, reason};
-use settings::messaging;
+use settings::{messaging, transport_settings};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Duration;
@@ -28,24 +29,12 @@ const CLOSE_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// A message received by the coordinator.
 pub(super) enum Incoming {
-    /// A worker's claim.
-    Claim(IncomingQuery),
-    /// A query for the status.
-    StatusQuery(IncomingQuery),
+    /// A worker's claim, or a query for the status.
+    Query(IncomingQuery),
     /// The liveliness token of a worker appeared.
     WorkerJoined(WorkerId),
     /// The liveliness token of a worker disappeared.
     WorkerLost(WorkerId),
-}
-
-impl Incoming {
-    /// Length of a query [bytes]; `None` for a change of liveliness.
-    pub fn query_size(&self) -> Option<usize> {
-        match self {
-            Self::Claim(query) | Self::StatusQuery(query) => Some(query.size()),
-            Self::WorkerJoined(_) | Self::WorkerLost(_) => None,
-        }
-    }
 }
 
 /// A query on a key that waits for its reply. If it is dropped without one, Zenoh notifies the sender at once.
@@ -57,8 +46,13 @@ impl IncomingQuery {
         self.0.payload().map(|payload| payload.to_bytes().into_owned()).unwrap_or_default()
     }
 
+    /// True for a worker's claim.
+    pub fn is_claim(&self) -> bool {
+        self.1 == keys::CLAIM
+    }
+
     /// Length of the frame [bytes].
-    fn size(&self) -> usize {
+    pub fn size(&self) -> usize {
         self.0.payload().map_or(0, |payload| payload.len())
     }
 
@@ -100,10 +94,10 @@ impl Transport {
         on_incoming: impl Fn(Incoming) + Send + Sync + 'static,
     ) -> Result<Self, DispatchError> {
         let on_incoming = Arc::new(on_incoming);
-        let settings = settings::transport_settings(listen)?;
-        let session = zenoh::open(settings.config)
+        let (config, endpoints) = transport_settings(listen)?;
+        let session = zenoh::open(config)
             .wait()
-            .map_err(|error| DispatchError::Endpoint(settings.endpoints.join(", "), reason(error)))?;
+            .map_err(|error| DispatchError::Endpoint(endpoints.join(", "), reason(error)))?;
         let changed = Arc::clone(&on_incoming);
         let liveliness = session
             .liveliness()
@@ -119,12 +113,12 @@ impl Transport {
             })
             .wait()
             .map_err(messaging)?;
-        let queries = |key: &'static str, incoming: fn(IncomingQuery) -> Incoming| {
+        let queries = |key: &'static str| {
             let on_incoming = Arc::clone(&on_incoming);
-            let pass_on = move |query| on_incoming(incoming(IncomingQuery(query, key)));
+            let pass_on = move |query| on_incoming(Incoming::Query(IncomingQuery(query, key)));
             session.declare_queryable(key).complete(true).callback(pass_on).wait().map_err(messaging)
         };
-        let queries = [queries(keys::CLAIM, Incoming::Claim)?, queries(keys::STATUS, Incoming::StatusQuery)?];
+        let queries = [queries(keys::CLAIM)?, queries(keys::STATUS)?];
         // For tools that list liveliness tokens.
         let token = session.liveliness().declare_token(keys::COORDINATOR).wait().map_err(messaging)?;
         let endpoints: Vec<String> =
@@ -148,12 +142,7 @@ impl Transport {
     pub fn close(self) {
         let Self { session, outgoing, .. } = self;
         drop(outgoing);
-        let (done, finished) = channel();
-        let closing = std::thread::Builder::new().name("coordinator-close".into()).spawn(move || {
-            let closed = session.close().wait();
-            let _ = done.send(closed.is_ok());
-        });
-        if closing.is_ok() && finished.recv_timeout(CLOSE_TIMEOUT).is_err() {
+        if !ends_within(CLOSE_TIMEOUT, "coordinator-close", move || _ = session.close().wait()) {
             tracing::debug!("the session did not close in time");
         }
     }

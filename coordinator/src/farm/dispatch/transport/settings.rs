@@ -47,18 +47,11 @@ pub struct Listen {
     pub insecure: bool,
 }
 
-/// Zenoh configuration and endpoints of the coordinator's session.
-#[derive(Debug)]
-pub(super) struct TransportSettings {
-    pub config: Config,
-    pub endpoints: Vec<String>,
-}
-
-/// Builds the configuration of the session.
+/// Builds the configuration of the session; returns it with the endpoints of the coordinator.
 ///
 /// # Errors
 /// [`DispatchError::Configuration`], [`DispatchError::Endpoint`], [`DispatchError::Insecure`].
-pub(super) fn transport_settings(listen: &Listen) -> Result<TransportSettings, DispatchError> {
+pub(super) fn transport_settings(listen: &Listen) -> Result<(Config, Vec<String>), DispatchError> {
     let mut config = match &listen.config {
         None => Config::default(),
         Some(file) => Config::from_file(file)
@@ -93,7 +86,7 @@ pub(super) fn transport_settings(listen: &Listen) -> Result<TransportSettings, D
         config.get_json(SESSIONS).ok().and_then(|number| number.parse().ok()).unwrap_or(MAX_SESSIONS);
     let sessions = bounded_by_open_files(wanted);
     config.insert_json5(SESSIONS, &sessions.to_string()).map_err(messaging)?;
-    Ok(TransportSettings { config, endpoints })
+    Ok((config, endpoints))
 }
 
 /// The error of a failed call of Zenoh.
@@ -192,30 +185,30 @@ mod tests {
     use super::*;
     use std::io::Write;
 
-    fn with_config(text: &str, endpoint: Option<&str>) -> Result<TransportSettings, DispatchError> {
+    fn with_config(text: &str, endpoint: Option<&str>) -> Result<(Config, Vec<String>), DispatchError> {
         let mut file = tempfile::Builder::new().suffix(".json5").tempfile().unwrap();
         file.write_all(text.as_bytes()).unwrap();
         let config = Some(file.path().to_owned());
         transport_settings(&Listen { endpoint: endpoint.map(Into::into), config, insecure: false })
     }
 
-    fn listen(endpoint: &str, insecure: bool) -> Result<TransportSettings, DispatchError> {
+    fn listen(endpoint: &str, insecure: bool) -> Result<(Config, Vec<String>), DispatchError> {
         transport_settings(&Listen { endpoint: Some(endpoint.into()), config: None, insecure })
     }
 
     #[test]
     fn the_default_is_loopback_with_a_free_port() {
         let settings = transport_settings(&Listen::default()).unwrap();
-        assert_eq!(settings.endpoints, ["tcp/127.0.0.1:0"]);
-        assert_eq!(settings.config.get_json("listen/endpoints").unwrap(), r#"["tcp/127.0.0.1:0"]"#);
-        assert_eq!(settings.config.get_json("mode").unwrap(), r#""peer""#);
+        assert_eq!(settings.1, ["tcp/127.0.0.1:0"]);
+        assert_eq!(settings.0.get_json("listen/endpoints").unwrap(), r#"["tcp/127.0.0.1:0"]"#);
+        assert_eq!(settings.0.get_json("mode").unwrap(), r#""peer""#);
     }
 
     #[test]
     fn bounds_of_sessions_are_ours_unless_the_file_sets_them() {
         let number = |key: &str, text: &str| {
             let settings = with_config(text, None).unwrap();
-            settings.config.get_json(key).unwrap().parse::<u32>().unwrap()
+            settings.0.get_json(key).unwrap().parse::<u32>().unwrap()
         };
         assert_eq!(number(SESSIONS, "{}"), bounded_by_open_files(MAX_SESSIONS));
         assert_eq!(number(SESSIONS, "{ transport: { unicast: { max_sessions: 12 } } }"), 12);
@@ -227,11 +220,9 @@ mod tests {
     fn clients_have_the_permissions_of_the_protocol_unless_the_file_has_others() {
         let rules = |text: &str| {
             let settings = with_config(text, None).unwrap();
-            assert_eq!(settings.config.get_json("access_control/enabled").unwrap(), "true");
-            serde_json::from_str::<serde_json::Value>(
-                &settings.config.get_json("access_control/rules").unwrap(),
-            )
-            .unwrap()
+            assert_eq!(settings.0.get_json("access_control/enabled").unwrap(), "true");
+            serde_json::from_str::<serde_json::Value>(&settings.0.get_json("access_control/rules").unwrap())
+                .unwrap()
         };
         assert_eq!(rules("{}").as_array().unwrap().len(), permissions()["rules"].as_array().unwrap().len());
         let own = r#"{ access_control: { enabled: true, default_permission: "deny", policies: [], subjects: [], rules: [] } }"#;
@@ -266,9 +257,9 @@ mod tests {
     fn endpoints_of_the_file_count_unless_one_is_given() {
         let file = r#"{ mode: "router", listen: { endpoints: ["tcp/127.0.0.1:4000"] } }"#;
         let settings = with_config(file, None).unwrap();
-        assert_eq!(settings.endpoints, ["tcp/127.0.0.1:4000"]);
-        assert_eq!(settings.config.get_json("mode").unwrap(), r#""peer""#);
-        assert_eq!(with_config(file, Some("tcp/127.0.0.1:0")).unwrap().endpoints, ["tcp/127.0.0.1:0"]);
+        assert_eq!(settings.1, ["tcp/127.0.0.1:4000"]);
+        assert_eq!(settings.0.get_json("mode").unwrap(), r#""peer""#);
+        assert_eq!(with_config(file, Some("tcp/127.0.0.1:0")).unwrap().1, ["tcp/127.0.0.1:0"]);
         let open = r#"{ listen: { endpoints: ["tcp/0.0.0.0:4000"] } }"#;
         assert!(matches!(with_config(open, None), Err(DispatchError::Insecure(..))));
     }

@@ -25,14 +25,8 @@ impl Default for Watch {
     }
 }
 
-/// The coordinator is watched until this is dropped.
-#[derive(Debug)]
-pub struct Watched {
-    _until_dropped: Sender<()>,
-}
-
 /// Asks the coordinator at `endpoint` in a thread, with the Zenoh settings of its own workers, and calls `failed` at most once: when it is
-/// silent, also from its start on: the first clients may be the ones that stop the messaging.
+/// silent, also from its start on: the first clients may be the ones that stop the messaging. It is watched until what this returns is dropped.
 ///
 /// # Errors
 /// [`DispatchError::Thread`].
@@ -41,8 +35,8 @@ pub fn watch(
     config: Option<PathBuf>,
     watch: Watch,
     failed: impl FnOnce() + Send + 'static,
-) -> Result<Watched, DispatchError> {
-    let (_until_dropped, dropped) = channel();
+) -> Result<Sender<()>, DispatchError> {
+    let (until_dropped, dropped) = channel();
     let run = move || {
         let mut silences = 0;
         loop {
@@ -60,7 +54,7 @@ pub fn watch(
         }
     };
     let started = thread::Builder::new().name("coordinator-watch".into()).spawn(run);
-    started.map(|_| Watched { _until_dropped }).map_err(DispatchError::Thread)
+    started.map(|_| until_dropped).map_err(DispatchError::Thread)
 }
 
 /// Whether the coordinator answers a new client within this time. `None` where it refuses the session: it may have all that it accepts,
