@@ -30,16 +30,14 @@ pub(crate) fn written(key: &'static Key) -> Vec<Written> {
         Form::SignedBody => one(reference("signed_body"), true),
         Form::Direction => one(pair(json!({ "type": ["number", "string"] })), true),
         Form::Pair(kind) => one(pair(of_kind(kind)), true),
-        Form::Number(kind, range) => {
-            let mut schema = in_range(of_kind(kind), range);
-            schema["examples"] = json!([format!("1 {}", first_unit(kind))]);
-            one(schema, true)
-        }
-        Form::NumberOr(kind, range, default) => {
-            let mut schema = in_range(of_kind(kind), range);
-            schema["default"] = json!(format!("{default} {}", first_unit(kind)));
-            one(schema, false)
-        }
+        Form::Number(kind, range) => one(
+            in_range(of_kind(kind), range, ("examples", json!([format!("1 {}", first_unit(kind))]))),
+            true,
+        ),
+        Form::NumberOr(kind, range, default) => one(
+            in_range(of_kind(kind), range, ("default", json!(format!("{default} {}", first_unit(kind))))),
+            false,
+        ),
         Form::Curve(_) => one(reference("curve"), true),
         Form::Wanted(_) | Form::Factor => one(reference("curve"), false),
         Form::WantedPoint => ["wanted_x", "wanted_y"]
@@ -54,11 +52,7 @@ pub(crate) fn written(key: &'static Key) -> Vec<Written> {
             Written { key: "input", schema: json!({ "type": "string" }), is_required: false },
             Written {
                 key: "input_angle",
-                schema: {
-                    let mut schema = of_kind(ANGLE);
-                    schema["examples"] = json!(["30 deg"]);
-                    schema
-                },
+                schema: in_range(of_kind(ANGLE), Range::Any, ("examples", json!(["30 deg"]))),
                 is_required: false,
             },
         ],

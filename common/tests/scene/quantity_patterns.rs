@@ -19,11 +19,12 @@ pub(crate) fn of_kind(kind: Kind) -> Value {
     json!({ "$ref": format!("#/$defs/{}", name_of(kind)) })
 }
 
-/// A quantity that is no number below zero where the range has none.
-pub(crate) fn in_range(mut schema: Value, range: Range) -> Value {
+/// A quantity that is no number below zero where the range has none, with what is shown of it.
+pub(crate) fn in_range(mut schema: Value, range: Range, (key, shown): (&str, Value)) -> Value {
     if matches!(range, Range::NonNegative | Range::Positive) {
         schema["not"] = json!({ "$ref": "#/$defs/negative" });
     }
+    schema[key] = shown;
     schema
 }
 

@@ -66,7 +66,13 @@ pub fn parse(
         let FleetData { mut units, mut unknown, mut prices } = FleetData::default();
         for (line, row) in rows.iter_mut() {
             match (row.get("unit").and_then(|name| name.as_str()), designs) {
-                (Some(PRICE), Some(_)) => prices.extend(reader.price(row)),
+                (Some(PRICE), Some(_)) => {
+                    let Some(read) = reader.price(row) else { continue };
+                    if prices.iter().any(|(of, _)| *of == read.0) {
+                        row.inconsistent("quantity", "this observation has a price already");
+                    }
+                    prices.push(read);
+                }
                 (Some(POPULATION), Some(designs)) => {
                     let Some(read) = reader.unknown(row, designs) else { continue };
                     let of = |parameter: &UnknownParameter| (parameter.variable, parameter.moment);
