@@ -10,7 +10,7 @@ const NEARLY_WHOLE: f64 = 0.3;
 pub struct CycleJoint {
     /// Name in the scene.
     pub name: String,
-    /// Its surfaces.
+    /// The surfaces that touch in it.
     pub surfaces: CycleSurfaces,
 }
 

@@ -60,17 +60,23 @@ mod tests {
     #[test]
     fn samples_have_the_units_of_their_heads() {
         let text = "scene = { name = \"s\" }\nsimulator = { program = [\"s\"] }\noutputs = [{ name = \"a\" }]\n\
-            variables = [{ name = \"gap\", unit = \"um\", mean = 30, std = 1 }, { name = \"x\", mean = 0.5, distribution = \"uniform\", lower = 0, upper = 1 }]\n\
+            variables = [{ name = \"gap\", mean = \"30 um\", std = \"1 um\" }, { name = \"x\", distribution = \"uniform\", lower = 0, upper = 1 }]\n\
             limit_states = [{ name = \"w\", output = \"a\", threshold = 1 }]";
-        let text = text.replace("mean = 0.5, ", "");
-        let source = SceneSource::parse(&text, "s").unwrap_or_else(|faults| panic!("{faults}"));
+        let source = SceneSource::parse(text, "s").unwrap_or_else(|faults| panic!("{faults}"));
         let read =
             |csv: &str| samples_of(source.variables(), "doe.csv", csv).map_err(|faults| faults.to_string());
-        assert_eq!(read("x,note,gap\n0.25,1,30\n0.5,2,31\n").unwrap(), [[30.0, 0.25], [31.0, 0.5]]);
+        let close = |x: f64, y: f64| (x / y - 1.0).abs() < 1e-12;
+        let found = read("x,note,gap [um]\n0.25,1,30\n0.5,2,31\n").unwrap();
+        assert!(
+            close(found[0][0], 30e-6)
+                && close(found[1][0], 31e-6)
+                && [found[0][1], found[1][1]] == [0.25, 0.5]
+        );
+        assert_eq!(read("gap,x\n3e-5,0.25\n").unwrap(), [[3e-5, 0.25]]);
         for (csv, said) in [
             ("x;gop\n0.25;30\n", "there is no column \"gap\", did you mean \"gop\"?"),
             ("x,gap [N]\n0.25,30\n", "is in N, which is no unit of variable gap"),
-            ("x,gap\n0.25,30\n1.5,30\n", "1.5 1 lies outside of the distribution, 0 to 1"),
+            ("x,gap [um]\n0.25,30\n1.5,30\n", "1.5 1 lies outside of the distribution, 0 to 1"),
         ] {
             let found = read(csv).unwrap_err();
             assert!(found.contains(said) && found.contains("doe.csv"), "{found}");

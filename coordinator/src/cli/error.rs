@@ -198,8 +198,18 @@ fn what_to_do(error: &StudyError, dir: &Path) -> String {
             let share = (*failed * 10 / (*total).max(1) + 2).min(10) * 10;
             format!("to go on in spite of them: `coordinator resume {dir} --max-failed {share}%`")
         }
-        StudyError::Campaign(CampaignError::Nominal { .. }) => {
+        StudyError::Campaign(CampaignError::Nominal {
+            cause:
+                SimulationFailure::Reported { .. }
+                | SimulationFailure::TimedOut { .. }
+                | SimulationFailure::Crashed { .. }
+                | SimulationFailure::NoNumber { .. }
+                | SimulationFailure::SimulatorUnusable { .. },
+        }) => {
             format!("once its cause is removed from the simulator, `coordinator resume {dir}` tries again")
+        }
+        StudyError::Campaign(CampaignError::Nominal { .. }) => {
+            "change the scene, and start another study".to_owned()
         }
         _ => format!("everything done so far is saved in {dir}"),
     }

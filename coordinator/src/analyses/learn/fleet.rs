@@ -27,6 +27,8 @@ const ENOUGH: f64 = 0.15;
 /// Sets of the prior for which the points of the first pass are made, and of a posterior by which their effective size is found.
 const SETS: usize = 400;
 const PROBED: usize = 40;
+/// Factor of the particles of a unit where design variables are unknown: near a value that all units share lie few of them.
+const SHARED: usize = 4;
 /// Points whose weights the value of further data is computed from.
 const VALUED: usize = 3000;
 
@@ -51,6 +53,11 @@ pub fn learn(
         let fault = "the observations speak of no variable whose parameters are learned; name parameters in rows of the unit `population`";
         return Err(RefusedQuestion::new("nothing is unknown", fault));
     }
+    let mut settings = *settings;
+    if unknown.iter().any(|parameter| designs.contains(&parameter.variable)) {
+        settings.units.monte_carlo.particles *= SHARED;
+    }
+    let settings = &settings;
     let ranges: Vec<(f64, f64)> = model.inputs.variables().iter().map(|law| law.support()).collect();
     let known = model.inputs.variables().to_vec();
     let space = space_of(&model.inputs, &unknown, designs, fixed);
