@@ -55,7 +55,8 @@ pub fn learn(
     }
     let mut settings = *settings;
     if unknown.iter().any(|parameter| designs.contains(&parameter.variable)) {
-        settings.units.monte_carlo.particles *= SHARED;
+        let of_units = &mut settings.units.monte_carlo;
+        (of_units.particles, of_units.least) = (SHARED * of_units.particles, SHARED as f64 * of_units.least);
     }
     let settings = &settings;
     let ranges: Vec<(f64, f64)> = model.inputs.variables().iter().map(|law| law.support()).collect();
