@@ -47,7 +47,7 @@ pub struct ExpectedCycle {
 /// One cycle of a program.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CycleReply {
-    /// Contacts of the joints, in the order of [`ExpectedCycle::joints`].
+    /// Contacts of the joints, joints with clearance first, then the guides that wear.
     pub joints: Vec<JointCycle>,
     /// Outputs of the motion, in the order of the scene; zero in the place of those of the wear `(outputs,)`.
     pub outputs: Vec<f64>,

@@ -77,7 +77,7 @@ pub struct Prediction {
 
 impl Kriging {
     /// Conditions a model with a constant trend on values `(n, m)` at points `(d, n)`. If C has no Cholesky
-    /// factor, the nugget is raised tenfold until it has; [`Kriging::raised`] returns how often.
+    /// factor, the nugget is raised tenfold until it has; `raised` says how often.
     ///
     /// # Errors
     /// [`SurrogateError`] with fewer than 3 points, or if the largest nugget does not help.
