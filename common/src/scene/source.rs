@@ -101,7 +101,13 @@ impl SceneSource {
         // Values as written, then the variables, then the nominal scene with every variable at its mean.
         let Resolved { scene, measured, seen, used, .. } = resolve(origin, &document, &NONE, true)?;
         let parameters = document.get("parameters").and_then(toml::Value::as_table);
-        let unused = parameters.into_iter().flat_map(Table::keys).filter(|name| !used.contains(*name));
+        // A program receives the variables, also those whose parameters nothing else reads.
+        let of_program = scene.variables.iter().filter(|_| scene.simulator.is_some());
+        let given: Vec<&str> =
+            of_program.flat_map(|variable| &variable.changes).map(String::as_str).collect();
+        let is_unused =
+            |name: &&String| !used.contains(*name) && !given.contains(&&*format!("parameters.{name}"));
+        let unused = parameters.into_iter().flat_map(Table::keys).filter(is_unused);
         let mut unused_parameters: Vec<String> = unused.cloned().collect();
         unused_parameters.sort();
         let mut source = SceneSource {

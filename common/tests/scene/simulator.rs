@@ -362,6 +362,11 @@ fn joints_of_a_program_that_gives_cycles_are_read() {
         [expected("usual", 0.8, 3e-13), expected("hot", 0.2, 6e-13)]
     );
     assert!(source.unused_parameters.is_empty());
+    // What a variable changes reaches the program.
+    let text = CYCLE.replace("[parameters]\n", "[parameters]\nrod = \"40 mm\"\nspare = 1\n")
+        + "\n[[variables]]\nname = \"rod\"\nchanges = [\"parameters.rod\"]\nstd = \"1 %\"\n";
+    let source = SceneSource::parse(&text, "cycle.toml").unwrap_or_else(|faults| panic!("{faults}"));
+    assert_eq!(source.unused_parameters, ["spare"]);
 }
 
 #[test]

@@ -183,8 +183,8 @@ fn of_the_challenge() -> Vec<PublishedProblem> {
     ]
 }
 
-/// Problems of the benchmark of Moustapha, Marelli and Sudret (2022) beyond those above, and others of the challenge. Of its twenty, the ones of
-/// the challenge, the four-branch system, the oscillator and the hat are public in full.
+/// Problems as in the benchmark of Moustapha, Marelli and Sudret (2022) beyond those above, and others of the challenge. Its models of structures
+/// are not public.
 fn of_the_benchmark() -> Vec<PublishedProblem> {
     let gumbel = |mean, std| {
         Distribution::gumbel(mean, std, Extreme::Maxima).expect("a standard deviation above zero")
