@@ -144,8 +144,12 @@ fn appendix(page: &mut Page, input: &ReportInput) {
     });
     let (drawn, none) = (figures::distributions(input), "The study stored no distributions.");
     page.add_chapter("Distributions of the outputs", html! {}, (drawn, "two"), none);
+    let is_worn = |joint: &JointSummary| !joint.wear_depth.is_empty();
     if input.summary.of_mechanism() {
         wear_and_cycles(page, input);
+    } else if input.nominal.as_ref().is_some_and(|nominal| nominal.joints.iter().any(is_worn)) {
+        worn_surfaces(page, input);
+        page.add(html! { p.none { "Orbits, contact arcs and the forces over a cycle are not known here: the program has them." } });
     }
     let drawn = figures::learning(input).into_iter().skip(1).collect();
     let none = "The study had no rounds of learning.";
@@ -175,8 +179,8 @@ pub fn motion(page: &mut Page, input: &ReportInput) -> Markup {
     }
 }
 
-/// Adds the bores and orbits of the nominal mechanism, its first and its last cycle.
-pub fn wear_and_cycles(page: &mut Page, input: &ReportInput) {
+/// Adds the bores and guides of the nominal mechanism as they are worn.
+fn worn_surfaces(page: &mut Page, input: &ReportInput) {
     let end = input.nominal.as_ref().and_then(|nominal| nominal.cycles.last()).map_or(0, |cycles| *cycles);
     let (lives, no_history) = (figures::lives_in_words(input), input.worn().is_none());
     let lead = html! {
@@ -192,6 +196,11 @@ pub fn wear_and_cycles(page: &mut Page, input: &ReportInput) {
     let none = "No bore is worn in a nominal evaluation.";
     page.add_chapter("Worn bores", lead, (figures::bores(input), "many"), none);
     page.add(worn_guides(input));
+}
+
+/// Adds the bores and orbits of the nominal mechanism, its first and its last cycle.
+pub fn wear_and_cycles(page: &mut Page, input: &ReportInput) {
+    worn_surfaces(page, input);
     let lead = html! {
         "Centre of the journal relative to that of the bushing over a cycle, in the frame of the bushing's body, at \
          one scale for all joints: "
