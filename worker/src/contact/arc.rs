@@ -8,14 +8,14 @@
 //! arc: the force of an arc whose half angle spans m intervals is within 0.025 / m^3 (chords through g itself
 //! fall short by 0.25 / m^2).
 //!
-//! Intervals with g > 0 at both ends are added segment by segment (`segment.rs`), and segmentes wholly in contact next to each
+//! Intervals with g > 0 at both ends are added segment by segment (`segment.rs`), and segments wholly in contact next to each
 //! other at once.
 //!
 //! # Source
 //! Derived here, for the Winkler foundation of `foundation.rs` (Winkler 1867; Johnson 1985).
 
 use super::integrals::{Integrals, RotatedIntegrals, UnitIntegrals, weights};
-use super::segment::{GROUP, Segment, Segmentes};
+use super::segment::{GROUP, Segment, Segments};
 use crate::bore::{Profile, Radius};
 use crate::extremum::smallest;
 use crate::lanes::Real;
@@ -37,8 +37,8 @@ pub struct Arc {
     radius: Vec<f64>,
     /// (1 + s^2 / 12) times the unit vectors at those angles `(intervals, 2)` [1].
     direction: Vec<[f64; 2]>,
-    /// Segmentes of [`super::segment::SEGMENT`] intervals.
-    pub(super) segmentes: Segmentes,
+    /// Segments of [`super::segment::SEGMENT`] intervals.
+    pub(super) segments: Segments,
 }
 
 /// A tabulated bore with a journal in it that is round or worn, or one pair per lane.
@@ -75,10 +75,10 @@ impl Arc {
             [lift * c, lift * s]
         };
         let direction: Vec<[f64; 2]> = (0..n).map(unit_vector).collect();
-        let mut segmentes = Segmentes::default();
-        segmentes.tabulate(journal_radius, &radius, &direction);
+        let mut segments = Segments::default();
+        segments.tabulate(journal_radius, &radius, &direction);
         let scale = clearance * spacing * spacing;
-        Arc { journal_radius, reach: clearance / lift, spacing, scale, radius, direction, segmentes }
+        Arc { journal_radius, reach: clearance / lift, spacing, scale, radius, direction, segments }
     }
 
     /// A bore that no journal reaches.
@@ -90,7 +90,7 @@ impl Arc {
             scale: 1.0,
             radius: vec![],
             direction: vec![],
-            segmentes: Segmentes::default(),
+            segments: Segments::default(),
         }
     }
 
@@ -104,7 +104,7 @@ impl Arc {
     pub(crate) fn profile_changed(&mut self, profile: &Profile) {
         profile.tabulate_chords(&mut self.radius);
         self.reach = (smallest(self.radius.iter().copied()) - self.journal_radius) / self.direction[0][0];
-        self.segmentes.tabulate(self.journal_radius, &self.radius, &self.direction);
+        self.segments.tabulate(self.journal_radius, &self.radius, &self.direction);
     }
 
     /// Gap function in the direction of the eccentricity itself, |e| + R1 - R [m].
@@ -144,26 +144,26 @@ impl Arc {
         if length(e) <= self.reach {
             return UnitIntegrals::none(0.0);
         }
-        let segmentes = &self.segmentes;
-        // Segmentes wholly in contact under way: the first, and the one after the last.
+        let segments = &self.segments;
+        // Segments wholly in contact under way: the first, and the one after the last.
         let (mut first, mut end) = (0, 0);
-        for g in 0..segmentes.groups.len() {
-            let [mut rest, whole_segmentes] = segmentes.groups[g].touched(e, segmentes.widening, 0.0);
+        for g in 0..segments.groups.len() {
+            let [mut rest, whole_segments] = segments.groups[g].touched(e, segments.widening, 0.0);
             while rest != 0 {
                 let i = rest.trailing_zeros();
                 rest &= rest - 1;
                 let s = g * GROUP + i as usize;
-                if (whole_segmentes >> i) & 1 == 0 {
-                    add_partly(&mut sum, e, &segmentes.each[s]);
+                if (whole_segments >> i) & 1 == 0 {
+                    add_partly(&mut sum, e, &segments.each[s]);
                 } else if s == end {
                     end += 1;
                 } else {
-                    self.add_segmentes(&mut sum, e, first, end);
+                    self.add_segments(&mut sum, e, first, end);
                     (first, end) = (s, s + 1);
                 }
             }
         }
-        self.add_segmentes(&mut sum, e, first, end);
+        self.add_segments(&mut sum, e, first, end);
         UnitIntegrals { sums: sum, extent: sum.d[0] + sum.d[2] }
     }
 
@@ -177,14 +177,14 @@ impl Arc {
         whole: &mut Integrals,
         mut other: impl FnMut([f64; 2], [[f64; 2]; 2]),
     ) {
-        for g in 0..self.segmentes.groups.len() {
-            let [mut rest, whole_segmentes] =
-                self.segmentes.groups[g].touched(e, self.segmentes.widening, margin);
+        for g in 0..self.segments.groups.len() {
+            let [mut rest, whole_segments] =
+                self.segments.groups[g].touched(e, self.segments.widening, margin);
             while rest != 0 {
                 let i = rest.trailing_zeros();
                 rest &= rest - 1;
-                let segment = &self.segmentes.each[g * GROUP + i as usize];
-                if (whole_segmentes >> i) & 1 == 1 {
+                let segment = &self.segments.each[g * GROUP + i as usize];
+                if (whole_segments >> i) & 1 == 1 {
                     whole.add_whole(segment.relative_to_centre(e), segment.sums[segment.intervals]);
                     continue;
                 }
@@ -203,15 +203,15 @@ impl Arc {
         }
     }
 
-    /// Adds the integrals of the segmentes from `first` to before `end`, which are wholly in contact. Of several at once the
+    /// Adds the integrals of the segments from `first` to before `end`, which are wholly in contact. Of several at once the
     /// coefficients are for eccentricities counted from zero: they touch deeply enough for rounding not to count.
     #[inline(always)]
-    fn add_segmentes(&self, sum: &mut Integrals, e: [f64; 2], first: usize, end: usize) {
+    fn add_segments(&self, sum: &mut Integrals, e: [f64; 2], first: usize, end: usize) {
         if end == first + 1 {
-            let segment = &self.segmentes.each[first];
+            let segment = &self.segments.each[first];
             sum.add_whole(segment.relative_to_centre(e), segment.sums[segment.intervals]);
         } else if end > first {
-            sum.add_whole(e, self.segmentes.across[end].minus(&self.segmentes.across[first]));
+            sum.add_whole(e, self.segments.across[end].minus(&self.segments.across[first]));
         }
     }
 

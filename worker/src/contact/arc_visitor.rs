@@ -21,17 +21,17 @@ impl Arc {
     /// Shows `visitor` the intervals that are in contact at the eccentricity `e` [m], in their order.
     #[inline(always)]
     pub(crate) fn visit(&self, e: [f64; 2], visitor: &mut impl ArcVisitor) {
-        let segmentes = &self.segmentes;
-        // Intervals wholly in contact under way, across segmentes.
+        let segments = &self.segments;
+        // Intervals wholly in contact under way, across segments.
         let (mut from, mut to) = (0, 0);
-        for g in 0..segmentes.groups.len() {
-            let [mut rest, whole_segmentes] = segmentes.groups[g].touched(e, segmentes.widening, 0.0);
+        for g in 0..segments.groups.len() {
+            let [mut rest, whole_segments] = segments.groups[g].touched(e, segments.widening, 0.0);
             while rest != 0 {
                 let i = rest.trailing_zeros();
                 rest &= rest - 1;
                 let s = g * GROUP + i as usize;
-                let segment = &segmentes.each[s];
-                let positive = if (whole_segmentes >> i) & 1 == 1 { !0 } else { segment.positive(e, 0.0) };
+                let segment = &segments.each[s];
+                let positive = if (whole_segments >> i) & 1 == 1 { !0 } else { segment.positive(e, 0.0) };
                 let mut reached = (positive | (positive >> 1)) & segment.all();
                 while reached != 0 {
                     let k = reached.trailing_zeros();

@@ -72,22 +72,22 @@ impl RotatedArc<'_> {
         }
     }
 
-    /// Number of groups of segmentes that may touch.
+    /// Number of groups of segments that may touch.
     #[inline(always)]
     fn groups(&self, e: [f64; 2]) -> usize {
-        if length(e) <= self.arc.reach { 0 } else { self.arc.segmentes.groups.len() }
+        if length(e) <= self.arc.reach { 0 } else { self.arc.segments.groups.len() }
     }
 
-    /// The segmentes of group `g` that may touch within `margin` of `e` [m], one bit each.
+    /// The segments of group `g` that may touch within `margin` of `e` [m], one bit each.
     #[inline(always)]
     pub(super) fn touching(&self, e: [f64; 2], at: Rotated, g: usize, margin: f64) -> u32 {
-        let segmentes = &self.arc.segmentes;
+        let segments = &self.arc.segments;
         let mut least = [0.0; GROUP];
-        let rest = GROUP.min(segmentes.each.len() - g * GROUP);
+        let rest = GROUP.min(segments.each.len() - g * GROUP);
         for i in 0..rest {
             least[i] = self.journal.least(at, (g * GROUP + i) * SEGMENT) - margin;
         }
-        segmentes.groups[g].touched_beyond(e, segmentes.widening, &least)
+        segments.groups[g].touched_beyond(e, segments.widening, &least)
     }
 
     /// Takes the first segment of group `g` from the bits `any`: its number and itself. (Not a closure called for each segment: that
@@ -96,7 +96,7 @@ impl RotatedArc<'_> {
     pub(super) fn next_segment(&self, g: usize, any: &mut u32) -> (usize, &Segment) {
         let s = g * GROUP + any.trailing_zeros() as usize;
         *any &= *any - 1;
-        (s, &self.arc.segmentes.each[s])
+        (s, &self.arc.segments.each[s])
     }
 
     /// Gaps at the angles of segment `s`; beyond its end they are not positive.
@@ -146,7 +146,7 @@ impl RotatedArc<'_> {
     }
 
     /// Parts of the integral of g that belong to the angles of each segment in contact, for intervals of length one, into `parts`, and the integral of g
-    /// u `(2,)` [m]; the angle between two segmentes gets a part from either.
+    /// u `(2,)` [m]; the angle between two segments gets a part from either.
     #[inline(always)]
     pub(crate) fn weigh(&self, e: [f64; 2], alpha: f64, parts: &mut Vec<SegmentParts>) -> [f64; 2] {
         parts.clear();

@@ -44,8 +44,8 @@ struct RotatedContents<R> {
     whole: Whole<R>,
     /// The other intervals that may touch.
     ends: Vec<RotatedEnd<R>>,
-    /// Segmentes of each lane with the journal as it was turned when they were met last `(lanes, segmentes)`.
-    segmentes: Vec<Vec<RotatedSegment>>,
+    /// Segments of each lane with the journal as it was turned when they were met last `(lanes, segments)`.
+    segments: Vec<Vec<RotatedSegment>>,
 }
 
 impl<R: Real> RotatedCells<R> {
@@ -55,7 +55,7 @@ impl<R: Real> RotatedCells<R> {
         let contents = RotatedContents {
             whole: Whole { d: [zero; 3], p: [[zero; 4]; 2], c: [zero; 7] },
             ends: vec![RotatedEnd::none(like); MOST],
-            segmentes: vec![vec![]; R::LANES],
+            segments: vec![vec![]; R::LANES],
         };
         let mut all = RotatedCells {
             cells: Cells::new((ENOUGH, SIZES), [SMALLER; 3], like),
@@ -70,8 +70,8 @@ impl<R: Real> RotatedCells<R> {
     /// Forgets the cells of a lane, whose bore is `arc` from now on and whose journal is another one.
     pub(super) fn set(&mut self, lane: usize, arc: &Arc) {
         Whole::default().write_lane::<R>(lane, &mut self.contents.whole);
-        self.contents.segmentes[lane].clear();
-        self.contents.segmentes[lane].resize(arc.segmentes.each.len(), RotatedSegment::NONE);
+        self.contents.segments[lane].clear();
+        self.contents.segments[lane].resize(arc.segments.each.len(), RotatedSegment::NONE);
         self.spacing.set_lane(lane, arc.spacing);
         self.slope.set_lane(lane, -(arc.intervals() as f64) / TAU);
         let side = SIDE * arc.scale;
@@ -152,11 +152,11 @@ impl<R: Real> CellContents<R, 3> for RotatedContents<R> {
         let at = journal.in_interval(base);
         let mut whole = Whole::default();
         let mut found = 0;
-        for g in 0..arc.segmentes.groups.len() {
+        for g in 0..arc.segments.groups.len() {
             let mut any = turned.touching(centre, at, g, margin);
             while any != 0 {
                 let (s, of_bore) = turned.next_segment(g, &mut any);
-                let segment = &mut self.segmentes[lane][s];
+                let segment = &mut self.segments[lane][s];
                 if segment.base != base {
                     segment.base = base;
                     segment.prepare(of_bore, journal, at, s * SEGMENT);

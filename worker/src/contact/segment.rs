@@ -1,11 +1,11 @@
-//! Segmentes of a tabulated bore: sums over their intervals, and whether they touch as a whole.
+//! Segments of a tabulated bore: sums over their intervals, and whether they touch as a whole.
 //!
 //! Over an interval with g > 0 at both ends the integral of g^2 of `arc.rs` is quadratic in the eccentricity e, so that
 //! sums of its coefficients over the first intervals of a segment give the integrals over any number of its intervals
 //! at once. Eccentricities are counted from the one at which the journal touches both ends of the segment: the
 //! coefficients are then as small as the bore is uneven, and little is lost in rounding.
 //!
-//! Whether segmentes touch is decided for a group of them at once, in loops that become vector instructions.
+//! Whether segments touch is decided for a group of them at once, in loops that become vector instructions.
 //!
 //! # Source
 //! Derived here.
@@ -16,13 +16,13 @@ use std::f64::consts::TAU;
 /// Intervals of a segment, over which sums are kept and which is judged as a whole; few enough for a bore to be nearly an
 /// arc about one point there.
 pub(super) const SEGMENT: usize = 16;
-/// Segmentes of a group, as many numbers as the widest vectors hold.
+/// Segments of a group, as many numbers as the widest vectors hold.
 pub(super) const GROUP: usize = 8;
 
-/// What decides whether the segmentes of a group touch; segmentes beyond the end of the bore never do.
+/// What decides whether the segments of a group touch; segments beyond the end of the bore never do.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SegmentGroup {
-    /// First and last angle of the segmentes.
+    /// First and last angle of the segments.
     ends: [Angles<GROUP>; 2],
     /// Least and largest gap, with the other sign, of the angles of each segment at the eccentricity at which the journal touches both
     /// its ends `(GROUP,)` [m].
@@ -31,16 +31,16 @@ pub struct SegmentGroup {
 }
 
 impl SegmentGroup {
-    /// A group without segmentes.
+    /// A group without segments.
     const EMPTY: Self = SegmentGroup {
         ends: [Angles { x: [0.0; GROUP], y: [0.0; GROUP], radial_gap: [0.0; GROUP] }; 2],
         least: [f64::INFINITY; GROUP],
         most: [f64::INFINITY; GROUP],
     };
 
-    /// Segmentes that touch at the eccentricity `e` [m], or at any within `margin` of it [m]. A wave e.u between the gaps a and b at the ends is at least the smaller of two
-    /// positive ones, and at most the larger times `widening`, one over the cosine of half the angle between the ends. Returns the segmentes
-    /// that may be in contact, and those of them whose intervals are all in contact; bit i stands for segment i of the group.
+    /// Segments that touch at the eccentricity `e` [m], or at any within `margin` of it [m]. A wave e.u between the gaps a and b at the ends is at least the smaller of two
+    /// positive ones, and at most the larger times `widening`, one over the cosine of half the angle between the ends. Returns the segments
+    /// that may be in contact, and of these the ones whose intervals are all in contact; bit i stands for segment i of the group.
     #[inline(always)]
     pub(super) fn touched(&self, e: [f64; 2], widening: f64, margin: f64) -> [u32; 2] {
         let (a, b) = (self.ends[0].gaps(e), self.ends[1].gaps(e));
@@ -55,7 +55,7 @@ impl SegmentGroup {
         [positive(&above), positive(&within)]
     }
 
-    /// Segmentes that may touch at the eccentricity `e` [m] a journal that is worn by at least `worn` `(GROUP,)` [m] along each.
+    /// Segments that may touch at the eccentricity `e` [m] a journal that is worn by at least `worn` `(GROUP,)` [m] along each.
     #[inline(always)]
     pub(super) fn touched_beyond(&self, e: [f64; 2], widening: f64, worn: &[f64; GROUP]) -> u32 {
         let (a, b) = (self.ends[0].gaps(e), self.ends[1].gaps(e));
@@ -250,20 +250,20 @@ impl Quadratic {
     }
 }
 
-/// All segmentes of a tabulated bore.
+/// All segments of a tabulated bore.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Segmentes {
-    /// The segmentes in order.
+pub struct Segments {
+    /// The segments in order.
     pub each: Vec<Segment>,
-    /// Groups of [`GROUP`] segmentes, which decide whether these touch.
+    /// Groups of [`GROUP`] segments, which decide whether these touch.
     pub groups: Vec<SegmentGroup>,
     /// One over the cosine of half the angle that the ends of a segment enclose [1].
     pub widening: f64,
-    /// Sums over the first 0 to all segmentes, for eccentricities counted from zero.
+    /// Sums over the first 0 to all segments, for eccentricities counted from zero.
     pub across: Vec<Quadratic>,
 }
 
-impl Segmentes {
+impl Segments {
     /// Tabulates a bore with these radii [m] and unit vectors.
     #[inline(always)]
     pub(super) fn tabulate(&mut self, journal_radius: f64, radius: &[f64], direction: &[[f64; 2]]) {
