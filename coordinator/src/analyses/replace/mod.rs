@@ -199,6 +199,20 @@ pub fn replace(
     };
     let best = best_of(&band.best);
     let end = band.best.end();
+    if band.best.restricted_mean() <= 0.0 {
+        return Err(RefusedQuestion::new(
+            format!("--curve {name}"),
+            "every unit has failed from the beginning: there is no age to replace it at",
+        ));
+    }
+    // Between two points of the curve the band has its straight lines; where it falls there is not known.
+    let [mut age, mut cost_rate] =
+        [sure(&|curve| best_of(curve).age), sure(&|curve| best_of(curve).cost_rate)];
+    if !best.at_the_end {
+        let ([from, to], least) = costs.unresolved(&band.best, best.age);
+        (age.lower, age.upper) = (age.lower.min(from), age.upper.max(to));
+        cost_rate.lower = cost_rate.lower.min(least);
+    }
     let checkpoints: Vec<f64> = summary.reliability.iter().map(|row| f64::from(row.cycles)).collect();
     let rate = |k: usize| {
         let (from, to) = (if k == 0 { 0.0 } else { checkpoints[k - 1] }, checkpoints[k]);
@@ -226,11 +240,11 @@ pub fn replace(
         curve: row.limit_state.clone(),
         planned_cost: costs.planned,
         failure_cost: costs.failure,
-        age: sure(&|curve| best_of(curve).age),
+        age,
         no_minimum: best.at_the_end,
         constant_hazard_before: unresolved.map(|fall| fall.to),
         share_without_minimum: band.share(|curve| best_of(curve).at_the_end),
-        cost_rate: sure(&|curve| best_of(curve).cost_rate),
+        cost_rate,
         reliability_at_age: sure(&|curve| curve.at(best.age)),
         run_to_failure: sure(&|curve| costs.of_failures(curve)),
         gain: sure(&|curve| 1.0 - best_of(curve).cost_rate / costs.of_failures(curve)),

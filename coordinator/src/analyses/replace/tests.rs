@@ -42,13 +42,13 @@ fn studied(text: &str) -> (SceneSource, Settings, StudySummary, Vec<StoredOutcom
 }
 
 /// The least cost per cycle and its age by a fine sum over the exact R.
-fn exact(scene: &SceneSource) -> (f64, f64) {
+fn exact(scene: &SceneSource, costs: &ReplacementCosts) -> (f64, f64) {
     let law = scene.variables()[0].distribution.clone();
     let (mut integral, mut best) = (0.0, (f64::INFINITY, 0.0));
     for k in 0..24_000 {
         let (from, to) = (0.1 * f64::from(k), 0.1 * f64::from(k + 1));
         integral += 0.05 * (law.survival(from) + law.survival(to));
-        let rate = COSTS.of_renewal(law.survival(to)) / integral;
+        let rate = costs.of_renewal(law.survival(to)) / integral;
         if rate < best.0 {
             best = (rate, to);
         }
@@ -61,7 +61,7 @@ fn a_weibull_life_is_replaced_at_its_age_and_by_its_level() {
     let (source, settings, summary, stored) = studied(SCENE);
     let scene = source.nominal();
     let report = replace(&summary, "total", &COSTS, None).unwrap();
-    let (rate, age) = exact(&source);
+    let (rate, age) = exact(&source, &COSTS);
     assert!((report.cost_rate.value / rate - 1.0).abs() < 5e-3, "{:?} {rate}", report.cost_rate);
     assert!(report.cost_rate.lower < rate && rate < report.cost_rate.upper, "{:?}", report.cost_rate);
     assert!(report.age.lower < age && age < report.age.upper, "{:?} {age}", report.age);
@@ -75,6 +75,21 @@ fn a_weibull_life_is_replaced_at_its_age_and_by_its_level() {
     assert!(found.lower < hazard && hazard < found.upper, "{found:?} {hazard}");
     let text = answer(&report, scene).text();
     assert!(text.contains("replace at") && text.contains("B10") && text.contains("hazard"), "{text}");
+
+    // The dearer a failure, the fewer points of the curve are left where the least cost lies.
+    for failure in [100.0, 1e3, 1e4, 1e5] {
+        let costs = ReplacementCosts { planned: 1.0, failure };
+        let ((rate, age), found) =
+            (exact(&source, &costs), replace(&summary, "total", &costs, None).unwrap());
+        let (ages, rates) = (found.age, found.cost_rate);
+        assert!(ages.lower <= age && age <= ages.upper, "{failure} {ages:?} {age}");
+        assert!(rates.lower <= rate && rate <= rates.upper, "{failure} {rates:?} {rate}");
+    }
+    let mut unworn = summary.clone();
+    let curve = unworn.curves.iter_mut().find(|curve| curve.limit_state == "total").unwrap();
+    curve.reliability.fill(0.0);
+    let refused = replace(&unworn, "total", &COSTS, None).unwrap_err().to_string();
+    assert!(refused.contains("failed from the beginning"), "{refused}");
 
     // A demanded reliability moves the replacement to an earlier age, which costs more; one that holds longer changes nothing.
     let demanded = |reliability| {

@@ -72,6 +72,16 @@ impl ReplacementCosts {
         AgeReplacement { age: best.0, cost_rate: best.1, at_the_end: best.0 >= curve.end() }
     }
 
+    /// What the points of a curve leave open of its best age: R may fall anywhere between the points beside it. Returns these two times
+    /// [cycles], and the cost rate if R keeps the value of the first of them until the second [currency/cycle].
+    pub fn unresolved(&self, curve: &SurvivalCurve, age: f64) -> ([f64; 2], f64) {
+        let before = curve.times.partition_point(|t| *t < age).max(1) - 1;
+        let after = curve.times.partition_point(|t| *t <= age).min(curve.times.len() - 1);
+        let [from, to] = [before, after].map(|k| curve.times[k]);
+        let r = curve.reliability[before];
+        ([from, to], self.of_renewal(r) / (curve.integral[before] + r * (to - from)))
+    }
+
     /// Distance from the beginning of a straight piece to the zero of phi [cycles], if phi is negative at its beginning:
     /// R = `r` there, falling by `fall` per cycle, after the integral `area`.
     fn stationary(&self, r: f64, fall: f64, area: f64) -> Option<f64> {
