@@ -65,6 +65,11 @@ pub fn run(scene: &str, arguments: &RunArguments, verbosity: Verbosity) -> Done 
     }
     arguments.check_levels(scene)?;
     let mut settings = arguments.settings(scene);
+    let idle = arguments.method.without_effect().join(", ");
+    if !idle.is_empty() {
+        let method = settings.method.name();
+        tracing::warn!("no effect with --method {method}, which simulates --samples: {idle}");
+    }
     if let Some(path) = &arguments.method.initial_from {
         let file = path.display().to_string();
         if settings.method != Method::ActiveLearning {

@@ -195,6 +195,25 @@ pub struct MethodArguments {
     pub memory: Option<usize>,
 }
 
+impl MethodArguments {
+    /// The options given that only surrogates have, if the method has none.
+    pub fn without_effect(&self) -> Vec<&'static str> {
+        let given = [
+            ("--initial", self.initial.is_some()),
+            ("--max-evaluations", self.max_evaluations.is_some()),
+            ("--batch", self.batch.is_some()),
+            ("--learning", self.learning.is_some()),
+            ("--target-error", self.target_error.is_some()),
+            ("--kernel", self.kernel.is_some()),
+            ("--trend", self.trend.is_some()),
+            ("--stated-errors", self.stated_errors.is_some()),
+            ("--memory", self.memory.is_some()),
+        ];
+        let learns = self.method.unwrap_or_default().learns();
+        given.into_iter().filter(|(_, given)| *given && !learns).map(|(option, _)| option).collect()
+    }
+}
+
 impl RunArguments {
     /// Checks the levels, if any are given.
     ///
@@ -319,6 +338,19 @@ mod tests {
         assert!(arguments(&["draft"]).settings(scene).finer_levels(scene).is_empty());
         let refused = arguments(&["reference", "draft"]).check_levels(scene).unwrap_err().to_string();
         assert!(refused.contains("levels = reference,draft") && refused.contains("not finer"), "{refused}");
+    }
+
+    #[test]
+    fn issue_options_of_learning_did_nothing_in_silence() {
+        let given = |method| MethodArguments {
+            method: Some(method),
+            initial: Some(20),
+            batch: Some(2),
+            seed: Some(2),
+            ..MethodArguments::default()
+        };
+        assert_eq!(given(Method::MonteCarlo).without_effect(), ["--initial", "--batch"]);
+        assert!(given(Method::AkMcs).without_effect().is_empty());
     }
 
     #[test]

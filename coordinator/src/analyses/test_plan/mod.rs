@@ -210,7 +210,14 @@ pub fn plan(
                 Ok(at * mean_length(units, allowed, reliability, shape, &lives))
             });
             let mean_cycles = mean_cycles.transpose()?;
-            let with_prior = with_prior.map(|plan| plan.ok_or_else(too_many)).transpose()?;
+            let contradicted = || {
+                let fault = format!(
+                    "the study speaks against R = {reliability}, and ten million units would not outweigh it; without the study \
+                     the plan has {units} units"
+                );
+                RefusedQuestion::new("no plan with the study as prior", fault)
+            };
+            let with_prior = with_prior.map(|plan| plan.ok_or_else(contradicted)).transpose()?;
             let passes = reliability_passed(units, allowed, GOOD).powf(1.0 / power);
             plans.push(PlanRow { cycles, allowed, units, passes, mean_cycles, with_prior });
         }

@@ -13,9 +13,14 @@
 //! - otherwise, where at least two simulations equal the threshold, a = t and b is the next smaller value;
 //! - otherwise the output has no steps, and t' = t.
 //!
+//! Nor has it steps where histories over several checkpoints are hardly different: their values are those of a few functions of the life,
+//! e.g. of one without scatter.
+//!
 //! # Source
 //! The rounding of x to the grid changes at the middles between its values (round to nearest), and a continuous function that
 //! approximates a jump in the mean crosses the middle of both heights there. This project's own choice.
+
+use std::collections::HashSet;
 
 /// Simulations in which both neighbours of the threshold occur from which on they count as plateaus.
 const PLATEAU: usize = 3;
@@ -48,7 +53,14 @@ pub fn learned_threshold<H: Iterator<Item = f64>>(
     histories: impl Iterator<Item = H>,
     threshold: f64,
 ) -> LearnedThreshold {
-    let mut values = different_values(histories);
+    let none = LearnedThreshold { value: threshold, jump: 0.0, coarse: None };
+    let histories: Vec<Vec<f64>> = histories.map(Iterator::collect).collect();
+    let of_bits = |history: &Vec<f64>| history.iter().map(|y| y.to_bits()).collect::<Vec<u64>>();
+    let different: HashSet<Vec<u64>> = histories.iter().map(of_bits).collect();
+    if different.len() < PLATEAU && histories.iter().any(|history| history.len() > 1) {
+        return none;
+    }
+    let mut values = different_values(histories.into_iter().map(Vec::into_iter));
     values.sort_by(|a, b| a.0.total_cmp(&b.0));
     // Distances from the middle of two limits differ by their rounding.
     values.dedup_by(|later, first| {
@@ -58,7 +70,6 @@ pub fn learned_threshold<H: Iterator<Item = f64>>(
         }
         equal
     });
-    let none = LearnedThreshold { value: threshold, jump: 0.0, coarse: None };
     let least = COARSE * standard_deviation(&values);
     let above = values.partition_point(|(y, _)| *y < threshold);
     let between = |b: f64, a: f64| LearnedThreshold {
@@ -188,5 +199,13 @@ mod tests {
         let cut: Vec<f64> = continuous(40).iter().map(|y| y.min(0.7)).collect();
         let below = cut.iter().copied().filter(|y| *y < 0.7).fold(f64::MIN, f64::max);
         assert_eq!(learned(&cut, 0.7).value, 0.5 * (below + 0.7));
+    }
+
+    #[test]
+    fn issue_an_output_without_scatter_failed_at_the_middle_of_two_checkpoints() {
+        for different in [1, 2] {
+            let history = |k: usize| (1..=10).map(move |n| f64::from(n) * 10.0 * (1 + k % different) as f64);
+            assert_eq!(learned_threshold((0..20).map(history), 63.0).value, 63.0);
+        }
     }
 }
