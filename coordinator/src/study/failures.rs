@@ -7,7 +7,7 @@
 //!
 //! one at a failure, zero at a result, and one half where both are equally near. A candidate's score is multiplied by 1 - P, so that
 //! a region without results is not sampled again and again; where P is above 2/3 that is settled, and no sample is requested. The share of the population nearer to a failure than to any result is
-//! that which cannot be simulated; the intervals contain it, whatever the surrogates predict there. Where failures were simulated more often than elsewhere does not count: more of them divide the same region among
+//! that which cannot be simulated; the intervals contain that where P is above 1/3, whatever the surrogates predict there. Where failures were simulated more often than elsewhere does not count: more of them divide the same region among
 //! themselves. (Indicator Kriging with the lengths of the response was tried and dropped: a response that is nearly linear has lengths far beyond the region, and its
 //! trend is the share of failures among the simulations, which learning changes.) With few simulations the estimate is rough.
 //!
@@ -127,6 +127,12 @@ impl Feasibility {
         barred.iter().filter(|barred| **barred).count() as f64 / population.len() as f64
     }
 
+    /// Share of the population [1] where it is not settled that a simulation gives a result: the most that cannot be simulated.
+    pub fn largest_barred_share(&self, population: &Population) -> f64 {
+        let open = self.probable_failures(population, 1.0 - SETTLED);
+        open.iter().filter(|open| **open).count() as f64 / population.len() as f64
+    }
+
     /// Marks the points of the population `(N,)` where it is settled that simulations fail; empty without failures.
     pub fn settled(&self, population: &Population) -> Vec<bool> {
         self.probable_failures(population, SETTLED)
@@ -183,6 +189,8 @@ mod tests {
         let feasibility = Feasibility::new(points, &failed);
         let share = feasibility.barred_share(&population);
         assert!((share - 0.159).abs() < 0.03, "{share}");
+        let most = feasibility.largest_barred_share(&population);
+        assert!((0.159..0.25).contains(&most), "{most}");
         let at = Mat::from_fn(2, 2, |k, j| if k == 0 { [-0.5, 1.8][j] } else { 0.3 });
         let probability = feasibility.probability(at.as_ref());
         assert!(probability[0] > 0.9 && probability[1] < 0.1, "{probability:?}");

@@ -129,7 +129,7 @@ impl Campaign {
         Some(InterimResult {
             failed: assessment.curves.clone(),
             points: self.classified.population.len(),
-            missing: assessment.feasibility.barred_share(self.classified.unconditional()),
+            missing: assessment.feasibility.largest_barred_share(self.classified.unconditional()),
             surrogate: assessment.combined_errors(),
             condition: self.classified.condition,
             untested: self.untested(assessment),

@@ -108,7 +108,10 @@ pub(super) fn add_lives(
             condition: &shares.condition,
         })
     };
-    let system = curve(names.len() - 1);
+    let last = names.len() - 1;
+    let system = curve(last);
+    let untested = |time: f64| shares.untested.possible(last, 1.0 - system.lower_at(time)).unwrap_or(0.0);
+    let system = curve(last).with_possible(untested);
     let possible = |c: usize, time: f64| shares.untested.possible(c, 1.0 - system.lower_at(time));
     let bounded = |c: usize| curve(c).with_possible(|time| possible(c, time).unwrap_or(0.0));
     let curves: Vec<LifeCurve> = (0..names.len()).map(bounded).collect();

@@ -1,7 +1,8 @@
 //! Outliers among the results, and their further evaluations: a value that no other result makes probable may be the error of a machine or
 //! of a simulator, or an extreme of the response.
 //!
-//! A value y of the running maximum at a checkpoint is an outlier where |y - median| > [`OUTLIER`] (y_75 - y_25) over all results. Its sample
+//! A value y of the running maximum at a checkpoint is an outlier where |y - median| > [`OUTLIER`] (y_75 - y_25) over the results of the initial design: those
+//! of learning gather at the limit. Its sample
 //! is evaluated a second time, by another worker where one is connected. If the two agree, it stays; otherwise a third evaluation decides,
 //! and what two of the three agree on is used. Where no two agree the sample counts as failed. After [`ENOUGH`] confirmed outliers extreme
 //! values count as a property of the response.
@@ -104,9 +105,10 @@ pub(super) fn decided(evaluations: &[ObservedOutcome], exact: bool) -> ObservedO
     }
 }
 
-/// The values beyond [`OUTLIER`] as `(index, distance from the median over the interquartile range [1])`; none where most are equal.
-pub(super) fn outliers(values: &[f64]) -> Vec<(usize, f64)> {
-    let mut sorted = values.to_vec();
+/// The values beyond [`OUTLIER`] as `(index, distance from the median over the interquartile range [1])`; none where most are equal. The first
+/// `initial` values are those of the initial design.
+pub(super) fn outliers(values: &[f64], initial: usize) -> Vec<(usize, f64)> {
+    let mut sorted = values[..initial.clamp(1, values.len())].to_vec();
     sorted.sort_unstable_by(f64::total_cmp);
     let quantile = |share: f64| sorted[(share * (sorted.len() - 1) as f64).round() as usize];
     let (median, range) = (quantile(0.5), quantile(0.75) - quantile(0.25));
@@ -121,9 +123,17 @@ mod tests {
     #[test]
     fn issue_one_value_of_sixty_a_hundred_times_too_large_was_believed() {
         let mut values: Vec<f64> = (0..60).map(|k| 1.0 + 0.01 * f64::from(k)).collect();
-        assert_eq!(outliers(&values), []);
+        assert_eq!(outliers(&values, 60), []);
         values[7] *= 100.0;
-        assert!(matches!(outliers(&values)[..], [(7, distance)] if distance > 300.0));
-        assert_eq!(outliers(&[0.0, 0.0, 0.0, 0.0, 1.0]), [], "flags");
+        assert!(matches!(outliers(&values, 60)[..], [(7, distance)] if distance > 300.0));
+        assert_eq!(outliers(&[0.0, 0.0, 0.0, 0.0, 1.0], 5), [], "flags");
+    }
+
+    #[test]
+    fn issue_results_gathered_at_the_limit_made_outliers_of_the_others() {
+        let spread = (0..20).map(|k| 0.1 * f64::from(k));
+        let values: Vec<f64> = spread.chain((0..60).map(|k| 1.0 + 1e-4 * f64::from(k))).collect();
+        assert_eq!(outliers(&values, 20), []);
+        assert!(!outliers(&values, 80).is_empty());
     }
 }

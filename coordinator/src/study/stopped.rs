@@ -3,13 +3,25 @@
 use super::as_published::change_over_1000_cycles;
 use super::{CampaignResult, Method, Settings, StopReason};
 use crate::statistics::learning::Rule;
+use crate::statistics::reliability::REACH;
 use common::scene::Scene;
 
-/// Whether learning ended by a rule and with failures enough for the coefficient of variation asked for, or for the share of the
+/// Half width [1] that the sampling of the population alone gives R where it is widest, if that is more than the whole one asked for.
+fn sampling_beyond(learned: &CampaignResult, settings: &Settings) -> Option<f64> {
+    let (target, points) = (settings.target_error?, learned.classified.population.len() as f64);
+    let is_conditional = learned.classified.condition.levels > 0;
+    let widths = learned.assessment.curves.iter().flatten().map(|p| REACH * (p * (1.0 - p) / points).sqrt());
+    let widest = widths.fold(0.0, f64::max);
+    (!is_conditional && widest > target).then_some(widest)
+}
+
+/// Whether learning ended by a rule, with a population large enough for the interval asked for, and with failures enough for the coefficient of variation asked for, or for the share of the
 /// population that cannot be simulated.
 pub(super) fn targets_met(learned: &CampaignResult, settings: &Settings) -> bool {
     let enough = learned.rounds.last().is_some_and(|round| round.cov_pf <= settings.targets().cov);
-    (enough || is_within_barred(learned)) && matches!(learned.stop, StopReason::Rule(_))
+    (enough || is_within_barred(learned))
+        && sampling_beyond(learned, settings).is_none()
+        && matches!(learned.stop, StopReason::Rule(_))
 }
 
 /// True if the share of the population that cannot be simulated outweighs the sampling of the failure probability.
@@ -77,6 +89,7 @@ fn as_published(scene: &Scene, learned: &CampaignResult, settings: &Settings) ->
 pub(super) fn stop_in_words(scene: &Scene, learned: &CampaignResult, settings: &Settings) -> String {
     let targets = settings.targets();
     let figures = &learned.assessment.figures;
+    let bound = (1e6 * targets.error).round() / 1e6;
     let condition = &learned.classified.condition;
     let held = targets.points_to_hold(learned.classified.population.dimension(), condition.levels > 0);
     let reason = match learned.stop {
@@ -87,22 +100,29 @@ pub(super) fn stop_in_words(scene: &Scene, learned: &CampaignResult, settings: &
         ),
         StopReason::Rule(Rule::Error) => format!(
             "the estimated surrogate error of every curve is below {} and no curve changed by more than {}, {} rounds and {} points running, after a fresh fit",
-            targets.error, targets.change, targets.hold, held
+            bound, targets.change, targets.hold, held
         ),
         StopReason::Budget => format!(
             "the budget of {} evaluations is spent; {}",
             settings.max_evaluations,
             if figures.error > targets.error {
-                format!("the estimated surrogate error is {:.1e} (target {})", figures.error, targets.error)
+                format!("the estimated surrogate error is {:.1e} (target {bound})", figures.error)
             } else {
                 format!(
-                    "the estimated surrogate error is below its target {}, but has not been for {} rounds and {} points",
-                    targets.error, targets.hold, held
+                    "the estimated surrogate error is below its target {bound}, but has not been for {} rounds and {} points",
+                    targets.hold, held
                 )
             }
         ),
     };
-    let reason = reason + &beyond_the_rules(learned, targets.error);
+    let mut reason = reason + &beyond_the_rules(learned, targets.error);
+    if let Some(width) = sampling_beyond(learned, settings) {
+        let points = learned.classified.population.len();
+        reason += &format!(
+            "; the sampling of the {points} points alone gives R a half width of {width:.4}, more than the one asked for: take more \
+             points by --samples"
+        );
+    }
     let system = &learned.assessment.curves[learned.assessment.curves.len() - 1];
     let cov = learned.rounds.last().map_or(f64::INFINITY, |round| round.cov_pf);
     if system.iter().all(|failed| *failed == 0.0) {

@@ -46,10 +46,15 @@ impl<'a> ModeResults<'a> {
         both.unwrap_or((&self.values, &self.errors))
     }
 
-    /// Threshold that a surrogate of these results uses.
+    /// Threshold that a surrogate of these results uses, by those with a value of their own of some variable.
     fn learned_threshold(&self) -> LearnedThreshold {
-        let histories = (0..self.values.nrows()).map(|i| self.values.row(i).iter().copied());
-        learned_threshold(histories, self.threshold)
+        // On a grid of the variables the response has steps of the design.
+        let is_shared = |k: usize, i: usize| {
+            (0..self.points.ncols()).any(|j| j != i && self.points[(k, j)] == self.points[(k, i)])
+        };
+        let is_free = |i: &usize| (0..self.points.nrows()).any(|k| !is_shared(k, *i));
+        let free = (0..self.values.nrows()).filter(is_free);
+        learned_threshold(free.map(|i| self.values.row(i).iter().copied()), self.threshold)
     }
 
     /// The columns of these of some checkpoints.
@@ -90,6 +95,8 @@ pub struct Surrogate {
     pub threshold: LearnedThreshold,
     /// Noise of the points in proportion to the stated errors.
     noise: Option<NoiseShape>,
+    /// Number of results of the initial design.
+    initial: usize,
 }
 
 impl Surrogate {
@@ -154,6 +161,7 @@ impl Surrogate {
             repairs: found.repairs,
             threshold,
             noise,
+            initial: plan.settings.initial,
         };
         surrogate.update_figures(results);
         Ok(surrogate)
@@ -197,10 +205,11 @@ impl Surrogate {
             if variance > 0.0 { noise * self.model.sigma2[*n] / variance } else { 0.0 }
         };
         self.noise_share = self.fitted_on.iter().map(share).fold(0.0, f64::max);
+        let initial = self.initial;
         let of_checkpoint = |n: &usize| {
             let values: Vec<f64> = results.values.col(*n).iter().copied().collect();
             let n = *n;
-            outliers(&values).into_iter().map(move |(i, distance)| (n, i, distance))
+            outliers(&values, initial).into_iter().map(move |(i, distance)| (n, i, distance))
         };
         self.outliers = self.fitted_on.iter().flat_map(of_checkpoint).collect();
     }

@@ -172,6 +172,7 @@ fn what_the_study_does_not_know_is_a_bound() {
     assert!(report.mean_life_is_bound && report.no_minimum && report.age.value == 1000.0);
     let text = answer(&report, &crate::tests::test_study::scene()).text();
     assert!(text.contains("no best age") && text.contains("at least") && text.contains("at most"), "{text}");
+    assert!(text.contains("study a longer life") && !text.contains("run to failure:"), "{text}");
     let known = replace(&summary, "wear", &COSTS, None).unwrap_err().to_string();
     assert!(known.contains("allowed: total"), "{known}");
     let cheap = ReplacementCosts { planned: 2.0, failure: 2.0 };

@@ -7,6 +7,8 @@ use crate::results::life_summary::{CyclesRange, LifeRow};
 use crate::statistics::replacement::PolicyOutcome;
 use common::scene::Scene;
 
+/// Reliability at the end of a study above which its hazard says nothing of later ages [1].
+const MOST_SURVIVE: f64 = 0.5;
 /// Rows of the table of rates on a terminal.
 const ROWS: usize = 24;
 
@@ -40,13 +42,13 @@ fn numbers(report: &ReplacementReport) -> Vec<Vec<String>> {
     let mut rows = Vec::new();
     let mut add = |name: &str, text: String| rows.push(vec![name.to_owned(), text]);
     if report.no_minimum {
-        add(
-            "no best age",
-            format!(
-                "run to failure: the hazard does not rise enough for a replacement to pay, and the cost per cycle falls up to the \
-                 end of the study, {end:.0} cycles"
-            ),
-        );
+        let reason = if report.reliability_at_age.value > MOST_SURVIVE {
+            "the study ends before most units fail, and whether a replacement pays later is not known: study a longer life"
+        } else {
+            "run to failure: the hazard does not rise enough for a replacement to pay"
+        };
+        let falls = format!("the cost per cycle falls up to the end of the study, {end:.0} cycles");
+        add("no best age", format!("{reason}; {falls}"));
         if age.lower < *end {
             let lower = life(age.lower);
             add("", format!("within the limits of R there may be a minimum, not before {lower} cycles"));

@@ -223,14 +223,14 @@ fn in_cycles(change: &Change) -> String {
 fn bound(before: LifeAt, after: LifeAt) -> String {
     let (sign, change) = match (before, after) {
         (LifeAt::Cycles { upper: Some(upper), .. }, LifeAt::Beyond { lower, .. }) if lower > upper => {
-            ('+', lower - upper)
+            ("more than +", lower - upper)
         }
         (LifeAt::Beyond { lower, .. }, LifeAt::Cycles { upper: Some(upper), .. }) if lower > upper => {
-            ('\u{2212}', lower - upper)
+            ("below \u{2212}", lower - upper)
         }
         _ => return "not known".to_owned(),
     };
-    format!("more than {sign}{}", rounded_cycles(change, 0.0))
+    format!("{sign}{}", rounded_cycles(change, 0.0))
 }
 
 #[cfg(test)]
@@ -318,7 +318,7 @@ mod tests {
         assert_eq!(said, "+910 (+700 to +1\u{a0}120)");
         let beyond = LifeAt::Beyond { lower: 8000.0, end: 8000.0 };
         assert_eq!(change_of_life(None, cycles(5000.0, 500.0), beyond), "more than +2\u{a0}500");
-        assert_eq!(change_of_life(None, beyond, cycles(5000.0, 500.0)), "more than \u{2212}2\u{a0}500");
+        assert_eq!(change_of_life(None, beyond, cycles(5000.0, 500.0)), "below \u{2212}2\u{a0}500");
         assert_eq!(change_of_life(None, beyond, beyond), "not known");
     }
 }

@@ -121,7 +121,7 @@ fn a_whole_study_has_every_figure_and_its_lives() {
         "every response is off by its stated error in the same direction",
         "<th>R wear (95 %)</th>",
         "<td>0.100 r/min</td>",
-        "1 of 216 simulations gave no result and are excluded; an estimated 0.4 % of the population, nearer to these than to any result, cannot be simulated: R is extrapolated there, and its intervals contain both extremes, that all or none of these points fail",
+        "1 of 216 simulations gave no result and are excluded; up to an estimated 0.4 % of the population, near these, cannot be simulated: R is extrapolated there, and its intervals contain both extremes, that all or none of these points fail",
         "First cause of these failures: 5",
         "cross-validation of the surrogates: wear Q<sup>2</sup> = 0.9700",
         "thin lines: after 12 000, 24 000, 36 000, 48 000, 60 000.",

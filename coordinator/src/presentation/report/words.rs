@@ -149,8 +149,7 @@ fn failed_runs(summary: &StudySummary) -> Option<String> {
         )
     } else {
         format!(
-            "an estimated {share} of the population, nearer to these than to any result, cannot be simulated: R is extrapolated there, and \
-             its intervals contain both extremes, that all or none of these points fail"
+            "up to an estimated {share} of the population, near these, cannot be simulated: R is extrapolated there, and its intervals contain both extremes, that all or none of these points fail"
         )
     };
     Some(format!(
