@@ -193,7 +193,7 @@ pub struct SobolError {
 pub struct FirstFailureRow {
     /// Checkpoint of life [cycles].
     pub cycles: u32,
-    /// Share in which several limit states were reached at the same checkpoint [1].
+    /// Share in which several limit states were reached at the same life, interpolated between checkpoints [1].
     pub together: f64,
     /// Share in which each limit state was reached first [1].
     pub first: PerLimitState,

@@ -179,7 +179,7 @@ fn first_failure_table(answer: &WhatIf) -> Option<Table> {
             vec![format!("{name}, by {} cycles", count(both[0].cycles.into())), before, after]
         };
         let of_state = move |name: &String| row(name, &|found| found.first.get(name).copied());
-        let together = row("several at the same checkpoint", &|found| Some(found.together));
+        let together = row("several at the same life", &|found| Some(found.together));
         names.iter().map(of_state).chain([together])
     });
     Some(Table::new("First failures", ["share of all that failed first by", "before", "after"], rows))
