@@ -89,7 +89,8 @@ fn scene(program: &str) -> SceneSource {
 
 fn evaluate(source: &SceneSource, sample: &[f64]) -> Result<SampleResult, SlotError> {
     let slots = EvaluationSlots::open(source).unwrap().unwrap();
-    slots.slot(0).evaluate(SlotRequest { id: 7, level: 0, sample }, &StopSignal::default())
+    let request = SlotRequest { id: 7, level: 0, with_first_cycle: true, sample };
+    slots.slot(0).evaluate(request, &StopSignal::default())
 }
 
 fn served(more: &str) -> SceneSource {

@@ -144,13 +144,7 @@ fn appendix(page: &mut Page, input: &ReportInput) {
     });
     let (drawn, none) = (figures::distributions(input), "The study stored no distributions.");
     page.add_chapter("Distributions of the outputs", html! {}, (drawn, "two"), none);
-    let is_worn = |joint: &JointSummary| !joint.wear_depth.is_empty();
-    if input.summary.of_mechanism() {
-        wear_and_cycles(page, input);
-    } else if input.nominal.as_ref().is_some_and(|nominal| nominal.joints.iter().any(is_worn)) {
-        worn_surfaces(page, input);
-        page.add(html! { p.none { "Orbits, contact arcs and the forces over a cycle are not known here: the program has them." } });
-    }
+    wear_and_cycles(page, input);
     let drawn = figures::learning(input).into_iter().skip(1).collect();
     let none = "The study had no rounds of learning.";
     page.add_chapter("Convergence of the study", html! {}, (drawn, "two"), none);
@@ -184,7 +178,7 @@ fn worn_surfaces(page: &mut Page, input: &ReportInput) {
     let end = input.nominal.as_ref().and_then(|nominal| nominal.cycles.last()).map_or(0, |cycles| *cycles);
     let (lives, no_history) = (figures::lives_in_words(input), input.worn().is_none());
     let lead = html! {
-        "The nominal mechanism after " (count(end.into())) " cycles"
+        "The nominal " (input.subject()) " after " (count(end.into())) " cycles"
         @if no_history {
             "; this campaign stores the bores at the end of life only"
         } @else if !lives.is_empty() {
@@ -193,29 +187,61 @@ fn worn_surfaces(page: &mut Page, input: &ReportInput) {
         ". The inner circle is the unworn bore. Wear is drawn outward from it, magnified, at one scale for all \
          joints; angles are in the frame of the bushing's body."
     };
-    let none = "No bore is worn in a nominal evaluation.";
-    page.add_chapter("Worn bores", lead, (figures::bores(input), "many"), none);
-    page.add(worn_guides(input));
+    let (bores, guides) = (figures::bores(input), worn_guides(input));
+    let title = if bores.is_empty() { "Worn surfaces" } else { "Worn bores" };
+    if bores.is_empty() && !guides.0.is_empty() {
+        page.begin(title);
+    } else {
+        page.add_chapter(title, lead, (bores, "many"), "No surface wears in the nominal evaluation.");
+    }
+    page.add(guides);
 }
 
-/// Adds the bores and orbits of the nominal mechanism, its first and its last cycle.
+/// Adds the bores and orbits of the nominal mechanism, its first and its last cycle; nothing for a simulator that gives whole lives.
 pub fn wear_and_cycles(page: &mut Page, input: &ReportInput) {
+    let by_program = input.scene.simulator.is_some();
+    if by_program && input.nominal.as_ref().is_none_or(|nominal| nominal.joints.is_empty()) {
+        return;
+    }
     worn_surfaces(page, input);
-    let lead = html! {
-        "Centre of the journal relative to that of the bushing over a cycle, in the frame of the bushing's body, at \
-         one scale for all joints: "
-        span.first { "first cycle" } ", " span.last { "last cycle" }
-        ". Circle: radial clearance; outer curve: with the wear at the end of life."
-    };
-    let none = "The nominal evaluation does not include the motion of journals and bushings.";
-    page.add_chapter("Journal orbits", lead, (figures::orbits(input), "many"), none);
+    let of_cycles = html! { span.first { "first cycle" } ", " span.last { "last cycle" } };
+    let (orbits, has_hinges) = (figures::orbits(input), input.scene.joints.iter().any(is_hinge));
+    if has_hinges && !(by_program && orbits.is_empty()) {
+        let lead = html! {
+            "Centre of the journal relative to that of the bushing over a cycle, in the frame of the bushing's body, at \
+             one scale for all joints: " (of_cycles)
+            ". Circle: radial clearance; outer curve: with the wear at the end of life."
+        };
+        let none = "The nominal evaluation does not include the motion of journals and bushings.";
+        page.add_chapter("Journal orbits", lead, (orbits, "many"), none);
+    }
+    let forces = figures::journal_forces(input);
+    if !forces.is_empty() {
+        let lead = html! {
+            "Normal force of the journal on the bushing over a cycle, in the frame of the bushing's body, at one scale for all joints: "
+            (of_cycles) "."
+        };
+        page.add_chapter("Journal forces", lead, (forces, "many"), "");
+    }
     let [first, last] = [figures::first_cycle(input), figures::last_cycle(input)];
     let lacks_last = last.is_empty() && !first.is_empty();
     let drawn = ([first, last].concat(), "three");
     page.add_chapter("First and last cycle", html! {}, drawn, "The nominal evaluation has no first cycle.");
-    if lacks_last {
-        page.add(html! { p.none { "The nominal evaluation has no last cycle." } });
-    }
+    page.add(html! {
+        @if by_program {
+            p.none {
+                @if lacks_last { "One cycle of ideal joints stands for the whole life. " }
+                "Not known of the cycles of a program: motion of the bodies, contact arcs and energy balance."
+            }
+        } @else if lacks_last {
+            p.none { "The nominal evaluation has no last cycle." }
+        }
+    });
+}
+
+/// True for a hinge with clearance.
+fn is_hinge(joint: &Joint) -> bool {
+    matches!(joint.kind, JointKind::Clearance(_))
 }
 
 /// The controls of the animation, which its script unhides.

@@ -28,7 +28,13 @@ pub fn first_cycle(input: &ReportInput) -> Vec<Figure> {
         let [low, high] = [low, high].map(|value| angle.after(&fixed(value, 3)).replace(" deg", "°"));
         format!("{}: {low} to {high}", body.label)
     });
-    let extremes = format!("{}.", joined(extremes, "; "));
+    let by_program = input.scene.simulator.is_some();
+    let [state, of] = if by_program {
+        ["Unworn surfaces, as the program gives it.", "Journal's body relative to the bushing's, by joint: "]
+    } else {
+        ["Unworn nominal mechanism, settled.", ""]
+    };
+    let extremes = format!("{of}{}.", joined(extremes, "; "));
     let traces = |(values, ..): &BodyQuantity, unit: &OutputUnit| -> Traces {
         let trace = |body: &BodyTrace| (body.label.clone(), trace(cycle, values(body), unit));
         cycle.bodies.iter().map(trace).collect()
@@ -38,9 +44,9 @@ pub fn first_cycle(input: &ReportInput) -> Vec<Figure> {
     let of_speeds = ["angular-velocities", "Angular velocities of the first cycle", &axis(&speed, SPEED.2)];
     let force = units.of(OutputUnit::Force);
     let figures = [
-        forces(cycle, &force, ["joint-forces", title, "Unworn nominal mechanism, settled."]),
+        forces(cycle, &force, ["joint-forces", title, state]),
         over_time(cycle, of_angles, traces(&ANGLE, &angle), &extremes),
-        over_time(cycle, of_speeds, traces(&SPEED, &speed), "Of the bodies above, with the same signs."),
+        over_time(cycle, of_speeds, traces(&SPEED, &speed), "As the angles above, with the same signs."),
     ];
     figures.into_iter().flatten().collect()
 }
@@ -77,7 +83,7 @@ pub fn last_cycle(input: &ReportInput) -> Vec<Figure> {
         over_time(first, [name, title, label], traces, &super::capital(&caption))
     };
     let (title, state) =
-        ("Joint forces of the last cycle", "Nominal mechanism, bores worn to the end of life.");
+        ("Joint forces of the last cycle", "Surfaces worn to the end of life.");
     let forces = forces(last, &input.scene.units.of(OutputUnit::Force), ["joint-forces-worn", title, state]);
     input.scene.outputs.iter().filter_map(of_output).chain(forces).collect()
 }

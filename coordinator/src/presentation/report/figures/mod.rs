@@ -8,7 +8,7 @@ mod outputs;
 mod rates;
 mod reliability;
 
-pub use bores::{bores, lives_in_words, orbits};
+pub use bores::{bores, journal_forces, lives_in_words, orbits};
 pub use cycle::{VaryingLoads, first_cycle, last_cycle};
 pub use influences::{parallel_coordinates, rows_at_governing, sensitivities, variance_contributions};
 pub use learning::{learning, numerical, parts_of_interval, predicted_against_simulated};
