@@ -127,9 +127,8 @@ pub fn tables(summary: &StudySummary) -> Markup {
 pub fn sentences(input: &ReportInput) -> Vec<String> {
     let Some(row) = governing(&input.summary) else { return vec![] };
     let size = |state: &LimitState| {
-        let stated = input.stated.get(state.output)?.iter().find(|stated| stated.cycles == row.cycles)?;
         let of_limit = |error: f64| percent(error.abs() / state.scale());
-        let [typical, largest] = [stated.typical, stated.largest].map(of_limit);
+        let [typical, largest] = input.stated.get(state.output)?.map(of_limit);
         Some(format!("{} {typical}, at most {largest}", input.output_of(state)))
     };
     let sizes = joined(input.scene.limit_states.iter().filter_map(size), "; ");

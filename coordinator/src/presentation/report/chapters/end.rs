@@ -188,7 +188,7 @@ fn facts(input: &ReportInput) -> Markup {
 }
 
 /// A time of the campaign file, e.g. `2026-11-23T23:18:38.139Z`, to the second.
-fn moment(time: &str) -> String {
+pub fn moment(time: &str) -> String {
     match time.split_once('T') {
         Some((day, clock)) => format!("{day} {} UTC", clock.split(['.', 'Z']).next().unwrap_or_default()),
         None => time.to_owned(),
@@ -264,12 +264,29 @@ fn signatures(input: &ReportInput) -> Markup {
 mod tests {
     use super::*;
     use crate::presentation::report::{page, render};
+    use crate::results::verified::VerificationRow;
     use crate::tests::test_study;
     use common::random::RandomVariable;
 
     #[test]
     fn times_are_stated_to_the_second() {
         assert_eq!(moment("2026-11-23T23:18:38.139Z"), "2026-11-23 23:18:38 UTC");
+    }
+
+    #[test]
+    fn what_direct_simulation_has_shown_is_stated_with_its_time() {
+        let mut input = test_study::report_input();
+        let row = VerificationRow {
+            made: "2026-11-23T23:18:38Z".into(),
+            evaluations: input.summary.evaluations.total,
+            compared: "surrogates with others".into(),
+            found: "Q2 at least 0.9".into(),
+        };
+        input.verified = vec![row.clone(), VerificationRow { evaluations: 7, ..row }];
+        let html = render(&input, true).html(None);
+        let said = "<p>Verified 2026-11-23 23:18:38 UTC: surrogates with others: Q2 at least 0.9.";
+        assert!(html.contains(&format!("{said}</p>")));
+        assert!(html.contains(&format!("{said} The study had 7 simulations then.</p>")));
     }
 
     #[test]

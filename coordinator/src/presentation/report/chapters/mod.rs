@@ -63,18 +63,16 @@ fn variants_of_model(page: &mut Page, input: &ReportInput) {
         return;
     }
     page.begin("Variants of the model");
-    let drawn = page.draw(variants::figures(summary), "two");
+    let drawn = page.draw(variants::figure(summary), "two");
     let rows = captioned("variants", "Lives by variants of the model", variants::rows(summary));
     page.add(html! { (drawn) (rows) });
 }
 
 /// Sensitivities of the failures, and contributions to the variance of the outputs.
 fn influences(page: &mut Page, input: &ReportInput) {
-    let (mut drawn, variance) = (figures::sensitivities(input), figures::variance_contributions(input));
+    let (derivatives, variance) = (figures::sensitivities(input), figures::variance_contributions(input));
     let has_indices = !variance.is_empty();
-    drawn.retain(|figure| figure.name != SYSTEM);
-    drawn.extend(variance);
-    page.add_chapter("Sensitivity", html! {}, (drawn, "two"), "No sensitivities were computed.");
+    page.add_chapter("Sensitivity", html! {}, ([derivatives, variance].concat(), "two"), "No sensitivities were computed.");
     let tables: Vec<String> = sensitivities(input).into_iter().map(|(name, _)| name).collect();
     page.add(html! {
         @if !has_indices {
@@ -89,9 +87,6 @@ fn influences(page: &mut Page, input: &ReportInput) {
         }
     });
 }
-
-/// Name of the figure of the system's sensitivities, which those of its limit states have in their shares.
-const SYSTEM: &str = "sensitivity-total";
 
 /// Name of the table of all checkpoints.
 const CHECKPOINTS: &str = "checkpoints";
@@ -116,13 +111,20 @@ fn quality(page: &mut Page, input: &ReportInput) {
         (true, false) => "The study stored no predictions of its surrogates.",
         (false, _) => "",
     };
-    let of_rounds = figures::learning(input).into_iter().take(1);
     page.begin("Quality of the result");
-    let drawn = predicted.into_iter().chain(of_rounds).chain(figures::parts_of_interval(summary));
+    let drawn = predicted.into_iter().chain(figures::learning(input)).chain(figures::parts_of_interval(summary));
     let drawn = page.draw(drawn, "two");
     page.add(html! {
         @if !none.is_empty() { p.none { (none) } }
         @if !stopped.is_empty() { p { "Stopped because: " (stopped) "." } }
+        @for row in &input.verified {
+            p {
+                "Verified " (end::moment(&row.made)) ": " (row.compared) ": " (row.found) "."
+                @if row.evaluations != summary.evaluations.total {
+                    " The study had " (count(row.evaluations as u64)) " simulations then."
+                }
+            }
+        }
         (drawn)
     });
 }
@@ -133,8 +135,7 @@ fn appendix(page: &mut Page, input: &ReportInput) {
     page.begin_appendix();
     studied::appendix(page, input);
     page.begin("Reliability in detail");
-    let of_system = figures::sensitivities(input).into_iter().filter(|figure| figure.name == SYSTEM);
-    let drawn = page.draw(figures::failure_rates(&input.summary).into_iter().chain(of_system), "two");
+    let drawn = page.draw(figures::papers(&input.summary), "two");
     page.add(html! {
         (drawn)
         @if rows.len() < all.len() {
@@ -145,16 +146,20 @@ fn appendix(page: &mut Page, input: &ReportInput) {
     let (drawn, none) = (figures::distributions(input), "The study stored no distributions.");
     page.add_chapter("Distributions of the outputs", html! {}, (drawn, "two"), none);
     wear_and_cycles(page, input);
-    let drawn = figures::learning(input).into_iter().skip(1).collect();
-    let none = "The study had no rounds of learning.";
-    page.add_chapter("Convergence of the study", html! {}, (drawn, "two"), none);
-    if !input.summary.convergence.rounds.is_empty() {
-        page.add(captioned("rounds", "Rounds of learning", tables::rounds(input)));
-    }
+    page.begin("Convergence of the study");
+    page.add(html! {
+        @if input.summary.convergence.rounds.is_empty() {
+            p.none { "The study had no rounds of learning." }
+        } @else {
+            (captioned("rounds", "Rounds of learning", tables::rounds(input)))
+        }
+    });
     let stated = levels::sentences(input).join(" ");
-    let none = if stated.is_empty() { "The simulations state no numerical errors." } else { &stated };
-    page.add_chapter("Numerical error", html! { (stated) }, (figures::numerical(input), "three"), none);
-    page.add(levels::tables(&input.summary));
+    page.begin("Numerical error");
+    page.add(html! {
+        p { @if stated.is_empty() { "The simulations state no numerical errors." } @else { (stated) } }
+        (levels::tables(&input.summary))
+    });
     end::effort(page, input);
     page.add(end::repeat(input));
 }
