@@ -197,6 +197,11 @@ impl ReportInput {
         self.worn()?.last_cycle.as_ref()
     }
 
+    /// True if lives are simulated here: of a mechanism, or around the cycles of a program.
+    pub fn has_lives(&self) -> bool {
+        self.scene.simulator.as_ref().is_none_or(|simulator| simulator.cycles.is_some())
+    }
+
     /// `mechanism` or `system`.
     pub fn subject(&self) -> &'static str {
         self.summary.subject()

@@ -172,7 +172,9 @@ pub fn diagnostics(input: &ReportInput) -> Markup {
     let work = &input.work;
     let per = |sum: u64| three_digits(sum as f64 / work.evaluations.max(1) as f64);
     let flight = input.nominal.as_ref().map_or(&[][..], |nominal| &nominal.diagnostics.free_flight_fraction);
-    let sums = COUNTERS.into_iter().zip(work.counts);
+    // A program has time steps of its own.
+    let is_counted = |sum: u64| sum > 0 || input.scene.simulator.is_none();
+    let sums = COUNTERS.into_iter().zip(work.counts).filter(|(_, sum)| is_counted(*sum));
     let sums = sums.map(|((_, name, _), sum)| [name.to_owned(), count(sum), per(sum)]);
     let shares = flight.iter().map(|(name, share)| [name.clone(), percent(*share)]);
     html! {

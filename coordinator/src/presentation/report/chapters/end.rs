@@ -98,7 +98,7 @@ pub fn effort(page: &mut Page, input: &ReportInput) {
     page.add(html! {
         div.pair {
             div {
-                @if input.summary.of_mechanism() {
+                @if input.has_lives() {
                     (captioned("work", "Numerical work", tables::diagnostics(input)))
                 }
                 @if let Some(table) = tables::stated_errors(input) {

@@ -204,10 +204,10 @@ fn worn_surfaces(page: &mut Page, input: &ReportInput) {
 
 /// Adds the bores and orbits of the nominal mechanism, its first and its last cycle; nothing for a simulator that gives whole lives.
 pub fn wear_and_cycles(page: &mut Page, input: &ReportInput) {
-    let by_program = input.scene.simulator.is_some();
-    if by_program && input.nominal.as_ref().is_none_or(|nominal| nominal.joints.is_empty()) {
+    if !input.has_lives() {
         return;
     }
+    let by_program = input.scene.simulator.is_some();
     worn_surfaces(page, input);
     let of_cycles = html! { span.first { "first cycle" } ", " span.last { "last cycle" } };
     let (orbits, has_hinges) = (figures::orbits(input), input.scene.joints.iter().any(is_hinge));

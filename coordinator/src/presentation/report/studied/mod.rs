@@ -14,7 +14,6 @@ mod mechanism_tables;
 mod variable_tables;
 
 use super::drawing::{self, DrawnMechanism, SHARE_OF_CYCLE};
-use super::format::sentence;
 use super::mechanism::poses;
 use super::page::{mark, refer_table};
 use super::tables;
@@ -149,7 +148,7 @@ fn assumptions(input: &ReportInput) -> Vec<String> {
 fn of_mechanism(scene: &Scene) -> Vec<String> {
     let mut text = match &scene.simulator {
         None => vec!["The mechanism is planar and its bodies are rigid.".to_owned()],
-        Some(simulator) => simulator.cycles.iter().map(|of| sentence(of.tier.explanation())).collect(),
+        Some(simulator) => simulator.cycles.iter().map(|of| format!("The program {}.", of.tier.explanation())).collect(),
     };
     let mut clearances = Vec::new();
     let mut has_worn_guides = false;
