@@ -103,7 +103,7 @@ fn a_whole_study_has_every_figure_and_its_lives() {
         "<h2>What was studied</h2>",
         "SHA-256 of <code>scene.toml</code>",
         "<strong>Table 1.</strong> Lives",
-        "All checkpoints: <a href=\"#table-checkpoints\">Table ",
+        "All checkpoints: <code>reliability.csv</code>.",
         "Most frequent failure: wear (max wear depth reaching 30 µm)",
         "64 000 cycles",
         "68 000 cycles",

@@ -150,7 +150,7 @@ pub fn repeat(input: &ReportInput) -> Markup {
     html! {
         h3 { "Reproducibility" }
         p {
-            "Command, version and seed are in " (refer_table("facts")) ", the scene is listed below and stored next to this \
+            "Command and version are in " (refer_table("facts")) ", the seed in " (refer_table("settings")) ", the scene is listed below and stored next to this \
              page in " code { "scene.toml" } "; the settings include every value that the command left at its default. The same version, scene, settings \
              and seed give bit-identical results for any number of workers."
         }
@@ -168,7 +168,6 @@ pub fn identification(page: &mut Page, input: &ReportInput) {
 /// What identifies the study.
 fn facts(input: &ReportInput) -> Markup {
     let summary = &input.summary;
-    let workers: Vec<&str> = summary.workers.iter().map(|worker| worker.name.as_str()).collect();
     let stated = |key: &'static str| Some((key, input.written.name(&format!("report.{key}"))?.render()));
     let rows = ["project", "revision"].into_iter().filter_map(stated).chain([
         ("begun", html! { (or_unknown(&moment(&summary.created))) }),
@@ -179,9 +178,6 @@ fn facts(input: &ReportInput) -> Markup {
             html! { (summary.scene) ", SHA-256 of " code { "scene.toml" } " " code { (or_unknown(&summary.scene_sha256)) } },
         ),
         ("method", html! { (summary.method) ", accuracy " (words::accuracy(summary)) }),
-        ("seed", html! { (summary.seed) }),
-        ("population", html! { (count(summary.population as u64)) }),
-        ("workers", html! { (or_unknown(&workers.join(", "))) }),
     ]);
     let rows = rows.map(|(name, value)| [name.render(), value]);
     captioned("facts", "The study", table_of_text(&["item", "value"], rows))

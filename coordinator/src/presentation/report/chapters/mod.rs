@@ -4,10 +4,9 @@
 mod end;
 
 use super::animation::{SCRIPT, animation};
-use super::figures::{self, file_name};
+use super::figures;
 use super::format::{count, fixed, joined, sentence};
 use super::life::{LEVELS, failure_probability, rows_that_matter, unit_of_life};
-use super::page::refer_table;
 use super::{Page, ReportInput, captioned, table_of};
 use super::{levels, sliders, studied, tables, variants, words};
 use common::outputs::JointSummary;
@@ -51,7 +50,7 @@ fn reliability(page: &mut Page, input: &ReportInput) {
         (drawn)
         (captioned("reliability", "Reliability at the checkpoints that matter, with 95 % intervals", tables::reliability(input, rows)))
         @if rows.len() < all.len() {
-            p { "All checkpoints: " (refer_table(CHECKPOINTS)) "; more digits in " code { "reliability.csv" } "." }
+            p { "All checkpoints: " code { "reliability.csv" } "." }
         }
     });
 }
@@ -73,32 +72,14 @@ fn influences(page: &mut Page, input: &ReportInput) {
     let (derivatives, variance) = (figures::sensitivities(input), figures::variance_contributions(input));
     let has_indices = !variance.is_empty();
     page.add_chapter("Sensitivity", html! {}, ([derivatives, variance].concat(), "two"), "No sensitivities were computed.");
-    let tables: Vec<String> = sensitivities(input).into_iter().map(|(name, _)| name).collect();
     page.add(html! {
         @if !has_indices {
             p.none { "No Sobol indices: the study has no surrogates, or its variables are dependent." }
         }
-        @if !tables.is_empty() {
-            p {
-                "All variables: "
-                @for (k, name) in tables.iter().enumerate() { @if k > 0 { ", " } (refer_table(name)) }
-                "."
-            }
+        @if !input.summary.sensitivity.is_empty() {
+            p { "All variables and checkpoints: " code { "summary.json" } "." }
         }
     });
-}
-
-/// Name of the table of all checkpoints.
-const CHECKPOINTS: &str = "checkpoints";
-
-/// Tables of the sensitivities by their names.
-fn sensitivities(input: &ReportInput) -> Vec<(String, Markup)> {
-    let of = |name: &str| {
-        let title = format!("Sensitivity of the failure probability by {name}, all variables");
-        let table_name = format!("sensitivity-{}", file_name(name));
-        Some((table_name.clone(), captioned(&table_name, &title, tables::sensitivity(input, name)?)))
-    };
-    input.scene.limit_states.iter().filter_map(|state| of(&state.name)).collect()
 }
 
 /// Quality of the surrogates, convergence, and the parts of the interval.
@@ -131,18 +112,10 @@ fn quality(page: &mut Page, input: &ReportInput) {
 
 /// Everything else: figures and tables that few readers need, and what is needed to repeat the study.
 fn appendix(page: &mut Page, input: &ReportInput) {
-    let (rows, all) = (rows_that_matter(&input.summary, 1), &input.summary.reliability);
     page.begin_appendix();
     studied::appendix(page, input);
-    page.begin("Reliability in detail");
-    let drawn = page.draw(figures::papers(&input.summary), "two");
-    page.add(html! {
-        (drawn)
-        @if rows.len() < all.len() {
-            (captioned(CHECKPOINTS, "Reliability at all checkpoints, with 95 % intervals", tables::reliability(input, all)))
-        }
-        @for (_, table) in sensitivities(input) { (table) }
-    });
+    let (drawn, none) = (figures::papers(&input.summary), "Too few lives for a probability paper.");
+    page.add_chapter("Lives on probability papers", html! {}, (drawn, "two"), none);
     let (drawn, none) = (figures::distributions(input), "The study stored no distributions.");
     page.add_chapter("Distributions of the outputs", html! {}, (drawn, "two"), none);
     wear_and_cycles(page, input);
@@ -158,7 +131,7 @@ fn appendix(page: &mut Page, input: &ReportInput) {
     page.begin("Numerical error");
     page.add(html! {
         p { @if stated.is_empty() { "The simulations state no numerical errors." } @else { (stated) } }
-        (levels::tables(&input.summary))
+        (levels::table_of_levels(&input.summary))
     });
     end::effort(page, input);
     page.add(end::repeat(input));

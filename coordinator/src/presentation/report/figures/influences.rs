@@ -28,7 +28,7 @@ fn finite(value: f64) -> f64 {
 }
 
 /// The rows of one limit state at the checkpoint nearest to the governing one where derivatives are known, longest bar first.
-pub fn rows_at_governing<'a>(input: &'a ReportInput, limit_state: &str) -> Vec<&'a SensitivityRow> {
+fn rows_at_governing<'a>(input: &'a ReportInput, limit_state: &str) -> Vec<&'a SensitivityRow> {
     let all = input.summary.sensitivity.iter().filter(|row| row.limit_state == limit_state);
     let known = all.clone().filter(|row| row.is_known()).map(|row| row.cycles);
     let Some(cycles) = nearest_to_governing(input, known) else { return vec![] };

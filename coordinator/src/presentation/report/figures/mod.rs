@@ -10,7 +10,7 @@ mod reliability;
 
 pub use bores::{bores, journal_forces, lives_in_words, orbits};
 pub use cycle::{VaryingLoads, first_cycle, last_cycle};
-pub use influences::{parallel_coordinates, rows_at_governing, sensitivities, variance_contributions};
+pub use influences::{parallel_coordinates, sensitivities, variance_contributions};
 pub use learning::{learning, parts_of_interval, predicted_against_simulated};
 pub use outputs::{distributions, histories};
 pub use papers::papers;
