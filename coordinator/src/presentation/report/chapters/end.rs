@@ -119,20 +119,11 @@ pub fn effort(page: &mut Page, input: &ReportInput) {
 
 /// Evaluations without a result.
 fn failures(input: &ReportInput) -> Markup {
-    let learned = !input.summary.convergence.rounds.is_empty();
     let listed = input.failures.iter().take(FAILURES_LISTED);
     let rows = listed.map(|(id, reason)| [id.to_string(), reason.clone()]);
     html! {
         p {
-            "Evaluations without a result: " (count(input.failures.len() as u64)) ". They are excluded"
-            @if input.summary.is_direct() {
-                "; the intervals of R contain both extremes, that all or none of these samples have failed"
-            } @else if learned {
-                "; the share of the population that cannot be simulated is estimated at "
-                (percent(input.summary.failures.barred_share))
-                ", and the intervals of R contain both extremes, that all or none of it fails"
-            }
-            "."
+            "Evaluations without a result: " (count(input.failures.len() as u64)) "."
             @if input.failures.len() > FAILURES_LISTED { " The first are listed here, all of them in samples.csv." }
         }
         (details("Failed evaluations", table_of_text(&["evaluation", "reason of the failure"], rows)))
