@@ -5,7 +5,7 @@ use crate::presentation::report::figures::parallel_coordinates;
 use crate::presentation::report::format::{
     UNKNOWN, capital, count, fixed, joined, number_of_cycles, percent, seven_digits, three_digits, unit_scale,
 };
-use crate::presentation::report::page::{details, mark, refer_table};
+use crate::presentation::report::page::{beside, details, mark, refer_table};
 use crate::presentation::report::{
     Page, ReportInput, captioned, drawing, table, table_of_text, tables, words,
 };
@@ -15,11 +15,14 @@ use maud::{Markup, Render, html};
 /// Adds the chapter of combinations that fail and of most probable failures.
 pub fn failing(page: &mut Page, input: &ReportInput) {
     page.begin("Simulations and failure points");
-    let combinations = page.draw(parallel_coordinates(input), "two");
-    page.add(html! { (combinations) (failure_points(input)) });
+    let combinations = page.draw(parallel_coordinates(input), "one");
+    page.add(beside(&combinations, failure_points(input)));
 }
 
-/// The most probable failures of all limit states: one pair of columns each, one row per variable.
+/// Variables with a row in the table of the most probable failures.
+const VARIABLES_LISTED: usize = 12;
+
+/// The most probable failures of all limit states: one pair of columns each, one row for each of the variables farthest from their medians.
 fn failure_points(input: &ReportInput) -> Markup {
     let points = &input.summary.failure_points;
     if points.is_empty() {
@@ -35,7 +38,14 @@ fn failure_points(input: &ReportInput) -> Markup {
         |point: &FailurePointRow| [format!("{}: value", point.limit_state), "standard deviations".to_owned()];
     let head: Vec<String> =
         ["variable", "unit"].map(str::to_owned).into_iter().chain(points.iter().flat_map(of_point)).collect();
-    let rows = input.scene.variables.iter().map(|variable| {
+    let distance = |name: &str| {
+        let rows = points.iter().flat_map(|point| &point.variables).filter(|row| row.variable == name);
+        rows.map(|row| row.normal.abs()).fold(0.0, f64::max)
+    };
+    let mut variables: Vec<_> = input.scene.variables.iter().collect();
+    variables.sort_by(|a, b| distance(&b.name).total_cmp(&distance(&a.name)));
+    let all = variables.len();
+    let rows = variables.into_iter().take(VARIABLES_LISTED).map(|variable| {
         let scale = unit_scale(&variable.unit);
         let cells = points.iter().flat_map(move |point| {
             let own = point.variables.iter().find(|row| row.variable == variable.name);
@@ -44,9 +54,14 @@ fn failure_points(input: &ReportInput) -> Markup {
         });
         [variable.name.clone(), variable.unit.clone()].into_iter().chain(cells)
     });
+    let rest = if all > VARIABLES_LISTED {
+        format!(" The {VARIABLES_LISTED} of {all} variables farthest from their medians; all: summary.json.")
+    } else {
+        String::new()
+    };
     let title = format!(
         "Most probable failure per limit state: of all failed points of the population the one nearest to the medians in the space of \
-         independent standard normals. {}",
+         independent standard normals. {}{rest}",
         joined(points.iter().map(|point| failure_point(input, point)), " ")
     );
     captioned("failure-points", &title, table(&head, rows))

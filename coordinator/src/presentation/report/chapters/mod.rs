@@ -7,6 +7,7 @@ use super::animation::{SCRIPT, animation};
 use super::figures;
 use super::format::{count, fixed, joined, sentence};
 use super::life::{LEVELS, failure_probability, rows_that_matter, unit_of_life};
+use super::page::beside;
 use super::{Page, ReportInput, captioned, table_of};
 use super::{levels, sliders, studied, tables, variants, words};
 use common::outputs::JointSummary;
@@ -45,10 +46,10 @@ pub fn page(input: &ReportInput, has_files: bool) -> Page {
 fn reliability(page: &mut Page, input: &ReportInput) {
     let (rows, all) = (rows_that_matter(&input.summary, 1), &input.summary.reliability);
     page.begin("Reliability");
-    let drawn = page.draw(figures::first_failure(input), "two");
+    let drawn = page.draw(figures::first_failure(input), "one");
+    let title = "Reliability at the checkpoints that matter, with 95 % intervals";
     page.add(html! {
-        (drawn)
-        (captioned("reliability", "Reliability at the checkpoints that matter, with 95 % intervals", tables::reliability(input, rows)))
+        (beside(&drawn, captioned("reliability", title, tables::reliability(input, rows))))
         @if rows.len() < all.len() {
             p { "All checkpoints: " code { "reliability.csv" } "." }
         }

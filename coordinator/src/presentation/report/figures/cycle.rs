@@ -107,7 +107,7 @@ fn forces(cycle: &CycleHistory, unit: &OutputUnit, [name, title, state]: [&str; 
 
 /// Values over the time [ms] of a cycle in the unit shown.
 fn trace(cycle: &CycleHistory, values: &[f64], unit: &OutputUnit) -> Points {
-    thinned(cycle.time.iter().zip(values).map(|(t, v)| (t * 1e3, unit.to_shown(*v))).collect())
+    cycle.time.iter().zip(values).map(|(t, v)| (t * 1e3, unit.to_shown(*v))).collect()
 }
 
 /// Curves over the time of a cycle; `[name, title, label of the vertical axis]`.
@@ -132,27 +132,6 @@ fn over_time(
     let x = Axis::linear("time [ms]", (time[0] * 1e3, time[time.len() - 1] * 1e3));
     let y = Axis::linear(label, (if low >= 0.0 { 0.0 } else { low - margin }, high + margin));
     Some(Plot { figure: name, x, y, series: &series }.figure(title, caption))
-}
-
-/// Number of buckets to which a dense trace is thinned: more than the width of a figure in pixels.
-const BUCKETS: usize = 700;
-
-/// A trace reduced to the lowest and the highest point of every bucket, which keeps all peaks; traces of few points are
-/// unchanged.
-fn thinned(points: Points) -> Points {
-    let size = points.len().div_ceil(BUCKETS);
-    if size <= 2 {
-        return points;
-    }
-    let mut kept = Vec::with_capacity(2 * BUCKETS + 2);
-    for bucket in points.chunks(size) {
-        let by_value = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
-        let ends = [bucket.iter().min_by(by_value), bucket.iter().max_by(by_value)];
-        let mut ends: Vec<_> = ends.into_iter().flatten().copied().collect();
-        ends.sort_by(|a, b| a.0.total_cmp(&b.0));
-        kept.extend(ends);
-    }
-    kept
 }
 
 /// Loads that vary by curves over a cycle.
@@ -230,16 +209,6 @@ impl VaryingLoads {
 mod tests {
     use super::*;
     use common::scene::SceneSource;
-
-    #[test]
-    fn a_dense_trace_keeps_its_peaks() {
-        let mut points: Vec<_> = (0..100_000).map(|k| (f64::from(k), 1.0)).collect();
-        points[54_321].1 = 9.0;
-        points[54_322].1 = -9.0;
-        let kept = thinned(points);
-        assert!(kept.len() <= 2 * BUCKETS && kept.is_sorted_by(|a, b| a.0 <= b.0));
-        assert_eq!(range(kept.iter().map(|p| p.1)), (-9.0, 9.0));
-    }
 
     #[test]
     fn a_table_over_the_crank_is_shown_at_the_angles_at_which_it_acts() {

@@ -15,7 +15,7 @@ mod variable_tables;
 
 use super::drawing::{self, DrawnMechanism, SHARE_OF_CYCLE};
 use super::mechanism::poses;
-use super::page::{mark, refer_table};
+use super::page::{beside, mark, refer_table};
 use super::tables;
 use super::{Figure, Page, ReportInput, VaryingLoads, WrittenScene, captioned};
 use crate::results::scene_summary::limit_rows;
@@ -54,7 +54,7 @@ pub fn chapter(input: &ReportInput, drawn: &Markup) -> Markup {
                 (refer_table("formulas")) "."
             }
         }
-        (drawn)
+        (beside(drawn, variable_tables::study_settings(scene, &input.summary, &input.meta.settings)))
         @if let Some(simulator) = &scene.simulator {
             p {
                 @if simulator.cycles.is_some() { "The wear is computed by this program around the cycles of " }
@@ -72,7 +72,6 @@ pub fn chapter(input: &ReportInput, drawn: &Markup) -> Markup {
             (variable_tables::variables(scene, &input.summary))
         }
         (variable_tables::limits(scene, &input.summary.limits, &input.written))
-        (variable_tables::study_settings(scene, &input.summary, &input.meta.settings))
         h3 { "Assumptions and limits of the model" }
         ul { @for assumption in assumptions(input) { li { (assumption) } } }
     }
