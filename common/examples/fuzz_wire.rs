@@ -55,6 +55,7 @@ fn sound_frames() -> Vec<Vec<u8>> {
             motion: vec![],
             bodies: vec![],
             joint_force: vec![("crank".into(), vec![1.0, 2.0])],
+            journals: vec![],
         }),
         worn: None,
         diagnostics: Diagnostics::default(),

@@ -90,12 +90,34 @@ pub struct CycleHistory {
     pub motion: Vec<BodyMotion>,
     /// Name of each joint with its force magnitude `(n,)` [N].
     pub joint_force: Vec<(String, Vec<f64>)>,
+    /// Journals of a cycle that another program gives; empty for the built-in mechanics.
+    #[serde(default)]
+    pub journals: Vec<JournalPath>,
 }
 
-/// Rotation of one body over a cycle, as an output reports it.
+impl CycleHistory {
+    /// The journal of the joint of this name, if another program gives it.
+    pub fn journal(&self, joint: &str) -> Option<&JournalPath> {
+        self.journals.iter().find(|path| path.joint == joint)
+    }
+}
+
+/// A journal over a cycle that another program gives, in the frame of the bushing's body.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct JournalPath {
+    /// Name of the joint, as in the scene.
+    pub joint: String,
+    /// Normal force of the journal on the bushing `(n, 2)` [N].
+    pub force: Vec<[f64; 2]>,
+    /// Centre of the journal from that of the bushing `(n, 2)` [m]; empty if the program does not give it.
+    pub eccentricity: Vec<[f64; 2]>,
+}
+
+/// Rotation of one body over a cycle, as an output reports it, or in a cycle of another program that of a journal's body relative to the
+/// bushing's.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BodyTrace {
-    /// Label of the body in reports, e.g. `right`.
+    /// Label of the body in reports, e.g. `right`, or name of the joint.
     pub label: String,
     /// Signed angle `(n,)` [rad].
     pub angle: Vec<f64>,

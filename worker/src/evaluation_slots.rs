@@ -1,7 +1,7 @@
 //! Slots of the external simulator that a scene names. A program that gives whole lives evaluates samples itself; around one that gives
 //! cycles the worker simulates the life.
 
-use crate::simulate::{CycleError, simulate_program_life};
+use crate::simulate::{CycleError, SimulateOptions, simulate_program_life};
 use common::external::{
     CycleSlot, OpenedSimulator, SampleResult, SimulatorError, SimulatorId, Slot, SlotError, SlotRequest,
     StopSignal,
@@ -52,7 +52,7 @@ impl Slot for LifeSlot {
     }
 
     fn evaluate(&mut self, request: SlotRequest<'_>, stop: &StopSignal) -> Result<SampleResult, SlotError> {
-        let SlotRequest { id, sample, .. } = request;
+        let SlotRequest { id, with_first_cycle, sample, .. } = request;
         let scene = match self.source.resolve_sample(sample) {
             Ok(scene) => scene,
             Err(faults) => return Ok(Err(SimulationFailure::InvalidSample { faults: faults.to_string() })),
@@ -60,7 +60,8 @@ impl Slot for LifeSlot {
         let identity = SimulatorId::of_scene(self.source.nominal());
         let life = format!("{identity:?} {:?}", sample.iter().map(|x| x.to_bits()).collect::<Vec<_>>());
         let mut cycles = self.slot.life((id, sample), &scene, &life, stop)?;
-        match simulate_program_life(&scene, &scene.accuracy, self.tier, &mut cycles) {
+        let options = SimulateOptions { first_cycle: with_first_cycle };
+        match simulate_program_life(&scene, &scene.accuracy, self.tier, &mut cycles, options) {
             Ok(evaluation) => {
                 cycles.end();
                 Ok(Ok(evaluation))

@@ -13,7 +13,7 @@ use common::failure::SimulationFailure;
 use common::locks::locked;
 use common::outputs::Evaluation;
 use common::scene::{Faults, SceneSource};
-use common::wire::{Offers, Subject};
+use common::wire::{Offers, Subject, Task};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -158,7 +158,8 @@ impl Offer {
         }
         let free = locked(&self.idle).pop();
         let mut slot = free.unwrap_or_else(|| self.opened.slot(self.made.fetch_add(1, Ordering::Relaxed)));
-        let request = SlotRequest { id: job.task.key.task, level: job.task.level, sample: job.sample() };
+        let Task { key, level, with_first_cycle, .. } = job.task;
+        let request = SlotRequest { id: key.task, level, with_first_cycle, sample: job.sample() };
         let evaluated = slot.evaluate(request, stop);
         locked(&self.idle).push(slot);
         evaluated.unwrap_or_else(|error| {

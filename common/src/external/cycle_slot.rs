@@ -126,7 +126,8 @@ impl CyclesOfLife<'_> {
             |reply: &Map<String, Value>| expected.of_object(reply, cycle).map_err(|none| none.of(&place));
         let asked = match slot {
             CycleSlot::Program(slot) => {
-                slot.ask(SlotRequest { id: *id, level: 0, sample: values }, &with_id, stop, |setup, text| {
+                let asked = SlotRequest { id: *id, level: 0, with_first_cycle: false, sample: values };
+                slot.ask(asked, &with_id, stop, |setup, text| {
                     match setup.line_reply(*id, text)? {
                         Some(reply) => of_object(&reply),
                         None => read(text),

@@ -36,7 +36,7 @@ pub use cycle_request::{CycleRequest, WornSurfaces};
 pub use cycle_slot::{CycleSlot, CyclesOfLife};
 pub use guard::limit_contact;
 pub use identity::SimulatorId;
-pub use joint_cycle::{CycleContacts, JointCycle};
+pub use joint_cycle::{CycleContacts, JointCycle, slopes};
 pub use opened::{OpenedSimulator, check};
 pub use process::kill_all;
 pub use slot::{SampleResult, SimulatorError, Slot, SlotError, SlotRequest, StopSignal};

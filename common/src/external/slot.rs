@@ -101,6 +101,8 @@ pub struct SlotRequest<'a> {
     pub id: u64,
     /// Level of accuracy, 0 for the first; a simulator without levels does not see it.
     pub level: u8,
+    /// Whether the history of the first cycle and of the worn mechanism is returned too, by a simulator that knows it.
+    pub with_first_cycle: bool,
     /// Values of the inputs `(d,)`, SI.
     pub sample: &'a [f64],
 }

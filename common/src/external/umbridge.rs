@@ -320,7 +320,7 @@ impl ModelSlot {
 
 impl Slot for ModelSlot {
     fn evaluate(&mut self, request: SlotRequest<'_>, stop: &StopSignal) -> Result<SampleResult, SlotError> {
-        let SlotRequest { id, level, sample } = request;
+        let SlotRequest { id, level, sample, .. } = request;
         let expected = &self.client.expected;
         self.ask(id, (&self.client.config_of(level), sample), stop, |vectors| {
             expected.evaluation(&expected.by_name(vectors.into_iter().flatten()), None, None)

@@ -6,13 +6,13 @@ use crate::accuracy::{Accuracy, Tier};
 use crate::external::SimulatorId;
 use crate::failure::SimulationFailure;
 use crate::outputs::{
-    BodyMotion, BodyTrace, CycleHistory, Diagnostics, EnergyBalance, Evaluation, JointSummary, NarrowGroove,
-    PointsError, UnsettledMotion, WornLife,
+    BodyMotion, BodyTrace, CycleHistory, Diagnostics, EnergyBalance, Evaluation, JointSummary, JournalPath,
+    NarrowGroove, PointsError, UnsettledMotion, WornLife,
 };
 
 /// Version and layout of the messages: [`PROTOCOL_VERSION`] and the hash of [`frames`]. Where the second changes, a message
 /// has another layout, and the first has to change too.
-const LAYOUT: (u16, u64) = (12, 0x4236_afc4_8b53_2207);
+const LAYOUT: (u16, u64) = (13, 0xb257_47d7_720a_919e);
 
 fn accuracy() -> Accuracy {
     Accuracy {
@@ -45,6 +45,11 @@ fn cycle() -> CycleHistory {
             speed: vec![],
         }],
         joint_force: vec![("1".into(), vec![7.0])],
+        journals: vec![JournalPath {
+            joint: "1".into(),
+            force: vec![[7.0, 8.0]],
+            eccentricity: vec![[9.0, 10.0]],
+        }],
     }
 }
 

@@ -70,6 +70,12 @@ fn in_cycle(cycle: &CycleHistory, which: &str) -> Option<String> {
             return Some(format!("motion {at} of {} in the {which} cycle", motion.body));
         }
     }
+    for path in &cycle.journals {
+        let components = [&path.force, &path.eccentricity].into_iter().map(|of| position(of.as_flattened()));
+        if let Some(at) = components.flatten().next() {
+            return Some(format!("journal {at} of joint {} in the {which} cycle", path.joint));
+        }
+    }
     let force = |(joint, force): &(String, Vec<f64>)| {
         position(force).map(|at| format!("force {at} of joint {joint} in the {which} cycle"))
     };

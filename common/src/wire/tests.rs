@@ -41,6 +41,7 @@ fn first_cycle() -> impl Strategy<Value = CycleHistory> {
             }],
             bodies: vec![BodyTrace { label: label.clone(), speed: angle.clone(), angle }],
             joint_force: vec![(label, force)],
+            journals: vec![],
         },
     )
 }

@@ -180,8 +180,9 @@ fn basis_of(inputs: &InputModel, sample: &[f64]) -> Vec<f64> {
     std::iter::once(1.0).chain(inputs.standardise(sample)).collect()
 }
 
-/// Prints R(n) where some units fail, and for each study how its 95 % intervals hold it.
-pub fn print_finer(truth: &FinerReliability, studies: &[(String, StudySummary)]) {
+/// Prints R(n) where some units fail, and for each study how its 95 % intervals hold it, which is returned in words.
+pub fn print_finer(truth: &FinerReliability, studies: &[(String, StudySummary)]) -> Vec<String> {
+    let mut words = Vec::new();
     println!("R(n) at the finer accuracy from {} pairs, ± 95 %", truth.pairs);
     println!("cycles | {}", truth.curves.join(" | "));
     let of_interest = |curve: usize, n: usize| (0.01..0.99).contains(&truth.reliability[curve][n]);
@@ -216,5 +217,9 @@ pub fn print_finer(truth: &FinerReliability, studies: &[(String, StudySummary)])
             "{name} | {} | {held} of {all} | {within} of {all} | {largest:.4} | ± {widest:.4}",
             summary.evaluations.total
         );
+        words.push(format!(
+            "they hold it at {held} of {all} checkpoints with 0.01 < R < 0.99, at {within} with its own error; largest difference {largest:.4}"
+        ));
     }
+    words
 }

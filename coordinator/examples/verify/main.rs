@@ -1,5 +1,6 @@
 //! Validates the surrogates of a study against simulations that they were not fitted to, or round by round against a direct
-//! Monte Carlo study. Nothing is simulated.
+//! Monte Carlo study. Nothing is simulated. What it finds of a study is kept in `verified.json` in its folder, which `coordinator report`
+//! states.
 //!
 //! ```sh
 //! coordinator run four-bar --out study
@@ -23,6 +24,7 @@ use common::scene::{Scene, SceneSource};
 use coordinator::presentation::report::SUMMARY_DOCUMENT;
 use coordinator::results::store::{CampaignFile, StoreError};
 use coordinator::results::summary::StudySummary;
+use coordinator::results::verified::{VerificationRow, add_verification};
 use coordinator::statistics::learning::LearningFunction;
 use coordinator::statistics::reliability::REACH;
 use coordinator::statistics::surrogate::{Kernel, Trend};
@@ -153,7 +155,11 @@ fn main() -> Result<(), Box<dyn Error>> {
             Ok((dir.display().to_string(), found.ok_or("the study is not finished")?))
         };
         let studies = arguments.study.iter().map(summary).collect::<Result<Vec<_>, _>>()?;
-        print_finer(&finer_reliability(&study, &finer)?, &studies);
+        let truth = finer_reliability(&study, &finer)?;
+        let compared = format!("intervals of R with R at a finer accuracy, from {} pairs of simulations", truth.pairs);
+        for (dir, found) in arguments.study.iter().zip(print_finer(&truth, &studies)) {
+            keep(dir, &compared, found)?;
+        }
         return Ok(());
     }
     let Some(against) = &arguments.against else {
@@ -184,7 +190,28 @@ fn main() -> Result<(), Box<dyn Error>> {
             format!("{} and {} simulations, expected at least {LEAST}", learned.len(), unseen.len()).into()
         );
     }
-    print_verification(&verify(scene, &study.settings, &study.outcomes, &unseen)?);
+    let found = verify(scene, &study.settings, &study.outcomes, &unseen)?;
+    print_verification(&found);
+    let compared = format!(
+        "surrogates fitted to {} simulations with {} others of the study {}",
+        found.learned_from,
+        found.points,
+        against.display()
+    );
+    let q2 = found.surrogates.iter().map(|surrogate| surrogate.q2).fold(1.0, f64::min);
+    let off = found.largest_difference();
+    keep(&arguments.dir, &compared, format!("R of any curve differs by at most {off:.4}, Q2 at least {q2:.4}"))
+}
+
+/// Keeps what was found of the study in a folder, for its report.
+fn keep(dir: &Path, compared: &str, found: String) -> Result<(), Box<dyn Error>> {
+    let summary: Option<StudySummary> = CampaignFile::look(dir)?.document(SUMMARY_DOCUMENT)?;
+    let evaluations = summary.map_or(0, |summary| summary.evaluations.total);
+    let now = "SELECT strftime('%Y-%m-%dT%H:%M:%SZ', 'now')";
+    let made = rusqlite::Connection::open_in_memory()?.query_row(now, [], |row| row.get(0))?;
+    let row = VerificationRow { made, evaluations, compared: compared.to_owned(), found };
+    add_verification(dir, row)?;
+    println!("kept in {}; `coordinator report` states it", dir.join("verified.json").display());
     Ok(())
 }
 

@@ -2,7 +2,7 @@
 
 use common::outputs::{
     BodyMotion, BodyTrace, COUNTERS, CycleHistory, Diagnostics, EnergyBalance, Evaluation, JointSummary,
-    NarrowGroove, UnsettledMotion, WornLife,
+    JournalPath, NarrowGroove, UnsettledMotion, WornLife,
 };
 use common::scene::{OutputUnit, Scene};
 use coordinator::results::summary_rows::control_points_rows;
@@ -59,13 +59,19 @@ fn cycle(cycle: &CycleHistory) -> Value {
         "rocker_speed_rpm": traces(|body| in_rpm(&body.speed)),
         "bodies": cycle.motion.iter().map(|body| (body.body.as_str(), motion(body))).collect::<Value>(),
         "joint_force_N": by_joint(&cycle.joint_force),
+        "journals": cycle.journals.iter().map(|path| (path.joint.as_str(), journal(path))).collect::<Value>(),
     })
+}
+
+/// Force and eccentricity of a journal, in the frame of the bushing.
+fn journal(JournalPath { force, eccentricity, .. }: &JournalPath) -> Value {
+    json!({ "force_x_N": column(force, 0), "force_y_N": column(force, 1),
+            "eccentricity_x_m": column(eccentricity, 0), "eccentricity_y_m": column(eccentricity, 1) })
 }
 
 /// Motion of the reference point of a body.
 fn motion(motion: &BodyMotion) -> Value {
-    let coordinate = |axis: usize| -> Value { motion.position.iter().map(|at| at[axis]).collect() };
-    json!({ "x_m": coordinate(0), "y_m": coordinate(1), "angle_deg": in_degrees(&motion.angle),
+    json!({ "x_m": column(&motion.position, 0), "y_m": column(&motion.position, 1), "angle_deg": in_degrees(&motion.angle),
             "speed_rpm": in_rpm(&motion.speed) })
 }
 
@@ -120,6 +126,10 @@ fn groove(groove: &NarrowGroove) -> Value {
 fn energy(energy: EnergyBalance) -> Value {
     json!({ "input_J": energy.input, "stored_J": energy.stored, "dissipated_J": energy.dissipated,
             "unphysical_J": energy.unphysical, "residual_J": energy.residual() })
+}
+
+fn column(of: &[[f64; 2]], axis: usize) -> Value {
+    of.iter().map(|at| at[axis]).collect()
 }
 
 fn by_joint<T: Clone + Into<Value>>(values: &[(String, T)]) -> Value {

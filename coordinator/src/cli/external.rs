@@ -1,9 +1,9 @@
 //! Scenes that name their own simulator: the options that they allow, one evaluation, and their description.
 
-use super::evaluation_json::of_outputs;
 use super::signals::interruption;
-use super::{AccuracyArguments, CommandError, Done, FarmArguments, count, to_json};
+use super::{AccuracyArguments, CommandError, Done, FarmArguments, count};
 use common::external::SimulatorId;
+use common::outputs::Evaluation;
 use common::scene::{
     ExternalSimulator, Fails, FileExchange, LimitState, OutputKind, Program, Scene, SceneSource,
     SimulatorKind, UmBridgeModel,
@@ -63,21 +63,18 @@ pub fn own_simulator(source: &SceneSource, slots: usize) -> Done<Arc<dyn Simulat
     }
 }
 
-/// Runs one evaluation; its JSON text.
+/// Runs one evaluation of a sample, which takes a time [s].
 ///
 /// # Errors
 /// [`CommandError`] if the simulator cannot be used, or the evaluation fails.
-pub fn simulate(source: &SceneSource, settings: &[(String, f64)]) -> Done<String> {
-    let scene = source.nominal();
-    let sample = source.sample_with(settings)?;
+pub fn simulate(source: &SceneSource, sample: Vec<f64>) -> Done<(Evaluation, f64)> {
     let request =
-        Request { id: 0, sample, with_first_cycle: false, accuracy: None, level: 0, not_by: vec![] };
+        Request { id: 0, sample, with_first_cycle: true, accuracy: None, level: 0, not_by: vec![] };
     let (mut found, end) = open_simulator(source, 1)?.outcomes(&[request], &mut |_| ());
     end.map_err(CommandError::Evaluate)?;
     let lost = || CommandError::Evaluate(EvaluateError::NoOutcome(0));
     let Finished { outcome, wall, .. } = found.pop().flatten().ok_or_else(lost)?;
-    let evaluation = outcome.map_err(|failure| CommandError::failed_simulation(source.origin(), &failure))?;
-    to_json(&of_outputs(scene, settings, &evaluation, wall))
+    Ok((outcome.map_err(|failure| CommandError::failed_simulation(source.origin(), &failure))?, wall))
 }
 
 /// Writes the description of the simulator for `coordinator explain`, in place of that of a mechanism.

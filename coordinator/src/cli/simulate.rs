@@ -48,21 +48,24 @@ pub fn simulate(arguments: &SimulateArguments, verbosity: Verbosity) -> Done {
     check_destination(arguments.report.as_deref())?;
     let source = SceneSource::load(arguments.scene.get())?;
     let settings = source.parse_settings(&arguments.set)?;
-    if source.nominal().simulator.is_some() {
+    let (scene, accuracy, evaluation, wall) = if let Some(simulator) = &source.nominal().simulator {
         external::check_accuracy(source.origin(), &arguments.accuracy)?;
-        if arguments.report.is_some() {
-            return Err(CommandError::no_mechanism(source.origin()));
-        }
-        return deliver(&external::simulate(&source, &settings)?, out.as_deref());
-    }
-    let scene = source.resolve_with(&settings).map_err(one_of_each_cause)?;
-    check_linkage(source.origin(), &source, &scene)?;
-    let accuracy = arguments.accuracy.for_one(&scene, verbosity.quiet)?.setting;
-    let start = Instant::now();
-    let evaluation = simulate::simulate(&scene, &accuracy.accuracy, SimulateOptions::WITH_FIRST_CYCLE)
-        .map_err(|failure| CommandError::of_simulation(source.origin(), &scene, failure))?;
-    let wall = start.elapsed().as_secs_f64();
-    let simulated = Simulated { scene: &scene, accuracy: &accuracy.name, evaluation: &evaluation, wall };
+        let sample = source.sample_with(&settings)?;
+        let scene = source.resolve_sample(&sample)?;
+        let accuracy = simulator.cycles.as_ref().map(|_| scene.accuracy.name.clone());
+        let (evaluation, wall) = external::simulate(&source, sample)?;
+        (scene, accuracy, evaluation, wall)
+    } else {
+        let scene = source.resolve_with(&settings).map_err(one_of_each_cause)?;
+        check_linkage(source.origin(), &source, &scene)?;
+        let accuracy = arguments.accuracy.for_one(&scene, verbosity.quiet)?.setting;
+        let start = Instant::now();
+        let evaluation = simulate::simulate(&scene, &accuracy.accuracy, SimulateOptions::WITH_FIRST_CYCLE)
+            .map_err(|failure| CommandError::of_simulation(source.origin(), &scene, failure))?;
+        (scene, Some(accuracy.name), evaluation, start.elapsed().as_secs_f64())
+    };
+    let simulated =
+        Simulated { scene: &scene, accuracy: accuracy.as_deref(), evaluation: &evaluation, wall };
     if let Some(file) = &arguments.report {
         write_text(file, &simulated.report(&arguments.set, source.text()))?;
     }
@@ -70,7 +73,7 @@ pub fn simulate(arguments: &SimulateArguments, verbosity: Verbosity) -> Done {
     let to_person = !verbosity.json && out.is_none() && std::io::stdout().is_terminal();
     if !to_person {
         let mut all = of_outputs(&scene, &settings, &evaluation, wall);
-        all.extend(of_mechanism(&scene, &accuracy.name, &evaluation));
+        all.extend(accuracy.iter().flat_map(|accuracy| of_mechanism(&scene, accuracy, &evaluation)));
         deliver(&to_json(&all)?, out.as_deref())?;
     }
     let files: Vec<&Path> = [&out, &arguments.report].into_iter().flatten().map(PathBuf::as_path).collect();
@@ -93,8 +96,8 @@ fn one_of_each_cause(Faults(all): Faults) -> Faults {
 struct Simulated<'e> {
     /// The scene with its settings.
     pub scene: &'e Scene,
-    /// Name of the accuracy.
-    pub accuracy: &'e str,
+    /// Name of the accuracy; none of a simulator that has its own.
+    pub accuracy: Option<&'e str>,
     /// Result of the simulation.
     pub evaluation: &'e Evaluation,
     /// Time that it took [s].
@@ -148,12 +151,16 @@ impl Simulated<'_> {
         page(&input, &facts, source).html(None)
     }
 
-    /// Life, accuracy, steps and time.
+    /// Life, accuracy, time steps or cycles simulated, and time.
     fn work(&self) -> String {
         let cycles = self.evaluation.cycles.last().copied().unwrap_or_default();
-        let steps = count(self.evaluation.diagnostics.steps as usize, "step");
-        let (cycles, took) = (grouped(cycles.into()), duration(self.wall));
-        format!("{cycles} cycles, accuracy {}, {steps} in {took}", self.accuracy)
+        let work = &self.evaluation.diagnostics;
+        let done = match self.scene.simulator {
+            None => count(work.steps as usize, "step"),
+            Some(_) => count(work.simulated_cycles as usize, "simulated cycle"),
+        };
+        let by = self.accuracy.map(|accuracy| format!(", accuracy {accuracy}, {done}")).unwrap_or_default();
+        format!("{} cycles{by} in {}", grouped(cycles.into()), duration(self.wall))
     }
 }
 
@@ -181,7 +188,7 @@ mod tests {
         let mut evaluation = Evaluation::from_histories(cycles, vec![depths, vec![44.4; 8]]);
         evaluation.start = vec![Some(0.0), None];
         evaluation.errors = vec![vec![1e-7; 8], vec![0.1; 8]];
-        let simulated = Simulated { scene: &scene, accuracy: "draft", evaluation: &evaluation, wall: 0.25 };
+        let simulated = Simulated { scene: &scene, accuracy: Some("draft"), evaluation: &evaluation, wall: 0.25 };
         let text = simulated.text(&[Path::new("one.json")]);
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines[0], "four-bar: 8 000 cycles, accuracy draft, 0 steps in 0.2 s");
@@ -197,7 +204,7 @@ mod tests {
         assert_eq!(lines[4..], ["written: one.json"]);
         evaluation.diagnostics.narrow_grooves =
             vec![NarrowGroove { joint: "crank".into(), since: 4000, angle: 1.0, width: 0.3, open: 1.25e-6 }];
-        let simulated = Simulated { scene: &scene, accuracy: "draft", evaluation: &evaluation, wall: 0.25 };
+        let simulated = Simulated { scene: &scene, accuracy: Some("draft"), evaluation: &evaluation, wall: 0.25 };
         let text = simulated.text(&[]);
         let line = "joint crank: a groove at 57.3 deg is narrower than the journal, which stays 1.25 µm above its bottom; \
                     first at 4 000 cycles\n";

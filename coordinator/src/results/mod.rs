@@ -7,6 +7,7 @@
 //! | [`progress`] | what a running study reports |
 //! | [`store`] | the campaign file (SQLite) |
 //! | [`result_files`] | JSON and CSV files |
+//! | [`verified`] | what direct simulation has shown of a study |
 //! | [`timing`] | times of a study over all its runs |
 //!
 //! # Example
@@ -38,3 +39,4 @@ pub mod store;
 pub mod summary;
 pub mod summary_rows;
 pub mod timing;
+pub mod verified;

@@ -86,7 +86,7 @@ fn a_study_with_variants_is_a_prior_and_is_compared_with_lives() {
     assert!(upper - lower < 200.0 && number(&rows[0]["evaluations"]) >= 6.0, "{lower} {upper}");
     let page = std::fs::read_to_string(Path::new(&study).join("report.html")).unwrap();
     assert!(page.contains("With 2 variants of the model") && page.contains("Variants of the model"));
-    for name in ["variants.svg", "variants-lives.csv"] {
+    for name in ["variants.svg", "variants.csv"] {
         assert!(Path::new(&study).join("figures").join(name).is_file(), "{name}");
     }
     // What is finished is not simulated again.

@@ -111,7 +111,7 @@ impl Run<'_> {
         let joint_force = self.joint_values(|full, joint| {
             full.displayed.as_ref().map_or_else(Vec::new, |motion| motion.force(joint))
         });
-        CycleHistory { bodies, motion: self.body_motions(&time), joint_force, time }
+        CycleHistory { bodies, motion: self.body_motions(&time), joint_force, journals: vec![], time }
     }
 
     /// Motion of every body that moves, in the scene's order, at the times `time` [s].

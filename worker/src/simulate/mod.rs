@@ -28,7 +28,8 @@
 //! | `failures.rs` | what ends an evaluation |
 //! | `side_by_side/` | several evaluations in the SIMD lanes of one core |
 //! | `control_points.rs` | arcs of the contacts in the first cycle; the number of control points by them |
-//! | `program_cycles.rs` | a life whose cycles another program simulates; one cycle on given surfaces, for others that wear them |
+//! | `program_cycles.rs`, `served_cycle.rs` | a life whose cycles another program simulates; one cycle on given surfaces, for others that wear them |
+//! | `program_history.rs` | the cycle of a program as it is displayed |
 //! | `first_look.rs` | model and cost of an evaluation beforehand |
 
 mod blocks;
@@ -48,10 +49,12 @@ mod motion_estimate;
 mod partial_life;
 mod probe;
 mod program_cycles;
+mod program_history;
 mod quasi_static;
 mod quasi_static_island;
 mod repetition;
 mod run;
+mod served_cycle;
 mod settling;
 mod several_cycles;
 mod side_by_side;
@@ -78,7 +81,8 @@ use turn_period::with_period_of_turn;
 pub use crate::quasi_static::Unsuitable;
 pub use control_points::ContactArc;
 pub use first_look::{FirstLook, IslandModel, first_look};
-pub use program_cycles::{CycleError, ServedCycle, simulate_one_cycle, simulate_program_life};
+pub use program_cycles::{CycleError, simulate_program_life};
+pub use served_cycle::{ServedCycle, simulate_one_cycle};
 pub use side_by_side::LaneWidth;
 
 /// What an evaluation returns besides its outputs; nothing by default.

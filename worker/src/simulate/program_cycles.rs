@@ -18,21 +18,17 @@
 //! # Source
 //! The loop: Cui et al., China Mechanical Engineering 37(6), 2026, 1472-1485, doi 10.3969/j.issn.1004-132X.2026.06.020, with a multibody
 //! program for the cycles.
-//!
-//! # One cycle
-//! One cycle of a mechanism on given surfaces, with the contacts of every time step: the built-in mechanics for a program that wears the
-//! surfaces itself.
 
 use super::conditions::condition_scenes;
 use super::island_state::IslandState;
 use super::partial_life::CycleModel;
-use super::{FirstCycle, LaneQueue, Run, Simulated, assemble, finish, run_alone, simulate_life};
-use crate::contact::{GuideReaction, JointForce, equivalent_penetration};
-use crate::mechanism::{Pose, WearingJoint, WearingPair, island_of_program, moved_to_origin};
+use super::program_history::cycle_history;
+use super::{FirstCycle, Run, SimulateOptions, finish, run_alone, simulate_life};
+use crate::contact::{JointForce, equivalent_penetration};
+use crate::mechanism::{Pose, WearingJoint, WearingPair, island_of_program};
 use crate::outputs::RecordingRequest;
-use crate::plane::length;
 use crate::wear::{ContactHistory, ContactInstant, RailHistory, RailInstant, WearHistory};
-use common::accuracy::{Accuracy, NamedAccuracy};
+use common::accuracy::NamedAccuracy;
 use common::external::{
     CycleContacts, CycleReply, CycleRequest, CyclesOfLife, JointCycle, SlotError, WornSurfaces,
 };
@@ -68,6 +64,7 @@ pub fn simulate_program_life(
     NamedAccuracy { name, accuracy }: &NamedAccuracy,
     tier: CycleTier,
     cycles: &mut CyclesOfLife,
+    options: SimulateOptions,
 ) -> Result<Evaluation, CycleError> {
     let run = |queue, (scene, share): (_, f64)| {
         let scene: &Scene = scene;
@@ -78,6 +75,7 @@ pub fn simulate_program_life(
         let state = IslandState::new(island, (&pose, &turns), scene, &RecordingRequest::default(), accuracy);
         let mut run = Run::of_islands(queue, scene, accuracy, vec![state]);
         run.share = share;
+        run.display = options.first_cycle.then(Default::default);
         run
     };
     let answered = Answered { cycles, last: BTreeMap::new(), sampling_error: 0.0 };
@@ -123,6 +121,11 @@ impl CycleModel for ProgramCycles<'_, '_, '_> {
 
     async fn simulate_cycle(&self, run: &mut Run<'_>, block: &Range<u32>) -> Result<bool, CycleError> {
         self.measure(run, block.end)?;
+        // A cycle that serves the whole life is displayed as the first one.
+        if block.end == run.scene.life.cycles && self.tier == CycleTier::Contact && run.display.is_some() {
+            let last = self.of_measured(run, |joints| cycle_history(run.scene, joints));
+            run.display.get_or_insert_default().1.get_or_insert_default().last_cycle = Some(last);
+        }
         Ok(true)
     }
 
@@ -190,25 +193,32 @@ impl<'a> ProgramCycles<'_, 'a, '_> {
         Ok(())
     }
 
-    /// Summary of the cycle measured last.
-    fn first_cycle(&self, run: &Run) -> FirstCycle {
+    /// What `of` makes of the joints of the cycle measured last, with their names, in the order of the scene.
+    fn of_measured<T>(&self, run: &Run, of: impl Fn(&[(&String, &JointCycle)]) -> T) -> T {
         let answered = self.answered.borrow();
         let name = self.condition(run).map(|condition| &*condition.name);
         let cycles = answered.last.get(&name).into_iter().flat_map(|(reply, _)| &reply.joints);
-        let names = run.islands.iter().flat_map(|state| state.island.pairs());
-        let names = names.map(|pair| &run.scene.joints[pair.scene_joint()].name);
-        let joints: Vec<_> = names.zip(cycles).collect();
+        let joints = run.islands.iter().flat_map(|state| state.island.pairs());
+        let mut found: Vec<_> = joints.map(WearingPair::scene_joint).zip(cycles).collect();
+        // Guides follow the hinges in a reply, and are where the scene has them in a result.
+        found.sort_by_key(|(joint, _)| *joint);
+        let named = found.into_iter().map(|(joint, cycle)| (&run.scene.joints[joint].name, cycle));
+        of(&named.collect::<Vec<_>>())
+    }
+
+    /// Summary of the cycle measured last, with its history if cycles are displayed.
+    fn first_cycle(&self, run: &Run) -> FirstCycle {
         let peak = |cycle: &JointCycle| cycle.normal.iter().copied().fold(0.0, f64::max);
         let free = |cycle: &JointCycle| {
             let at = (0..cycle.time.len()).filter(|&k| cycle.normal[k] == 0.0);
             at.map(|k| weight(&cycle.time, k)).sum::<f64>() / run.scene.life.period
         };
-        FirstCycle {
-            history: None,
+        self.of_measured(run, |joints| FirstCycle {
+            history: run.display.as_ref().map(|_| cycle_history(run.scene, joints)),
             peaks: joints.iter().map(|(name, cycle)| ((*name).clone(), peak(cycle))).collect(),
             free_flight: joints.iter().map(|(name, cycle)| ((*name).clone(), free(cycle))).collect(),
             energy: None,
-        }
+        })
     }
 }
 
@@ -285,102 +295,4 @@ fn record_guide(half_length: f64, cycle: &JointCycle, history: &mut RailHistory)
         history.push(weight(&cycle.time, k), &at);
     }
     history.close_interval();
-}
-
-/// A cycle of a mechanism.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ServedCycle {
-    /// Contacts of every joint with clearance, by its name.
-    pub joints: BTreeMap<String, JointCycle>,
-    /// Outputs of the scene, zero for those of the wear `(outputs,)` [SI].
-    pub outputs: Vec<f64>,
-}
-
-/// Simulates the settled cycle of a scene whose joints of these names are worn to `depths` at their control points, the bore's and then those
-/// of a journal that wears `(depths,)` [m].
-///
-/// # Errors
-/// [`SimulationFailure`]; [`SimulationFailure::NotModelled`] for another number of depths than the joint has.
-pub fn simulate_one_cycle(
-    scene: &Scene,
-    accuracy: &Accuracy,
-    depths: &BTreeMap<String, Vec<f64>>,
-) -> Simulated<ServedCycle> {
-    let local = moved_to_origin(scene);
-    let scene = local.as_ref().map_or(scene, |(local, _)| local);
-    run_alone(|queue| on_surfaces(queue, scene, accuracy, depths))
-}
-
-async fn on_surfaces(
-    queue: LaneQueue,
-    scene: &Scene,
-    accuracy: &Accuracy,
-    depths: &BTreeMap<String, Vec<f64>>,
-) -> Simulated<ServedCycle> {
-    let mut runs = assemble(&queue, scene, accuracy)?;
-    let [run] = &mut runs[..] else {
-        let what = "several operating conditions in one cycle".to_owned();
-        return Err(SimulationFailure::NotModelled { what });
-    };
-    for state in &mut run.islands {
-        for (pair, worn) in state.island.pairs_mut().zip(&mut state.depth) {
-            let name = &scene.joints[pair.scene_joint()].name;
-            let Some(depth) = depths.get(name) else { continue };
-            if depth.len() != worn.len() {
-                let what = format!("{} depths of joint {name}, which has {}", depth.len(), worn.len());
-                return Err(SimulationFailure::NotModelled { what });
-            }
-            worn.clone_from(depth);
-            pair.set_depth(depth);
-        }
-        state.recorder.traced = Some(vec![]);
-    }
-    run.settle().await?;
-    run.measure_first().await?;
-    run.next_settled_cycle().await?;
-    Ok(ServedCycle { joints: traced(run), outputs: run.measured.clone() })
-}
-
-/// The contacts of the cycle measured last.
-fn traced(run: &Run) -> BTreeMap<String, JointCycle> {
-    let mut joints = BTreeMap::new();
-    for state in &run.islands {
-        let states = state.recorder.traced.as_deref().unwrap_or_default();
-        let time: Vec<f64> = states.iter().map(|state| state.time).collect();
-        for (k, joint) in state.island.joints.iter().enumerate() {
-            let at = || states.iter().map(|state| &state.contacts[k]);
-            let force: Vec<[f64; 2]> = at().map(|contact| contact.force()).collect();
-            let cycle = JointCycle {
-                time: time.clone(),
-                normal: force.iter().map(|force| length(*force)).collect(),
-                sliding: at().map(|contact| contact.sliding()).collect(),
-                contacts: CycleContacts::Bore {
-                    force,
-                    angle: Some(at().map(|contact| contact.turn).collect()),
-                    eccentricity: Some(at().map(|contact| contact.e).collect()),
-                },
-            };
-            joints.insert(run.scene.joints[joint.scene_joint].name.clone(), cycle);
-        }
-        for (k, guide) in state.island.guides.iter().enumerate().filter(|(_, guide)| guide.wears()) {
-            let at = || states.iter().map(|state| &state.guides[k]);
-            let normal = |of: &GuideReaction| of.normal[0] + of.normal[1];
-            let sliding = |of: &GuideReaction| {
-                let normal = normal(of);
-                if normal > 0.0 { (of.rubbing[0] + of.rubbing[1]) / normal } else { 0.0 }
-            };
-            let load = |of: &GuideReaction| [of.normal, of.moment].map(|[left, right]| left - right);
-            let cycle = JointCycle {
-                time: time.clone(),
-                normal: at().map(normal).collect(),
-                sliding: at().map(sliding).collect(),
-                contacts: CycleContacts::Guide {
-                    load: at().map(load).collect(),
-                    position: at().map(|guide| guide.position).collect(),
-                },
-            };
-            joints.insert(run.scene.joints[guide.flat.scene_joint].name.clone(), cycle);
-        }
-    }
-    joints
 }

@@ -98,6 +98,24 @@ fn an_ideal_slider_wears_evenly_under_its_load() {
 }
 
 #[test]
+fn issue_a_guide_before_a_hinge_had_the_depths_of_the_hinge() {
+    let reply = r#"{"id": 7, "time": [0, 0.25, 0.5, 0.75], "joints": {
+        "rail": {"force": [-300, -300, -300, -300], "moment": [0, 0, 0, 0], "position": [0.08, 0.1, 0.12, 0.1], "sliding": [0.08, 0.08, 0.08, 0.08]},
+        "pin": {"force_x": [9, 9, 9, 9], "force_y": [0, 0, 0, 0], "angle": [0, 1.5708, 3.1416, 4.7124]}}}"#;
+    let reply = reply.replace('\n', "");
+    let program = format!("program = [\"sh\", \"-c\", \"\"\"while read line; do echo '{}'; done\"\"\"]", reply.replace('"', "\\\""));
+    let pin = "{ name = \"pin\", journal_radius = \"4 mm\", radial_clearance = \"30 um\", width = \"10 mm\", journal_material = \"steel\", \
+               bushing_material = \"steel\", contact_law = \"foundation\", wear_coefficient = \"1e-13 1/Pa\" }";
+    let text = by_program(&format!("tier = \"reaction\", {program}"), "slider").text().to_owned();
+    let text = text.replace("control_points = 41 }]", &format!("control_points = 41 }}, {pin}]"));
+    let life = evaluate(&SceneSource::parse(&text, "both.toml").unwrap(), &[300.0]).unwrap().unwrap();
+    let [rail, pin] = &life.joints[..] else { panic!("two joints") };
+    assert_eq!([&rail.name, &pin.name], ["rail", "pin"]);
+    assert_eq!([rail.peak_force, pin.peak_force], [300.0, 9.0]);
+    assert!(pin.wear_depth.iter().any(|depth| *depth > 0.0) && rail.journal_wear_depth.len() == 82);
+}
+
+#[test]
 fn loads_that_the_faces_cannot_carry_are_named() {
     for (load, said) in [
         (r#""force": [-300, -300, -300, -300]"#, "joints.rail.moment is missing"),

@@ -7,7 +7,7 @@ mod umbridge;
 
 use common::accuracy::Accuracy;
 use common::external::{SampleResult, SlotError, SlotRequest, StopSignal};
-use common::outputs::Evaluation;
+use common::outputs::{BodyTrace, Evaluation};
 use common::scene::SceneSource;
 use worker::evaluation_slots::EvaluationSlots;
 use worker::simulate::{SimulateOptions, simulate};
@@ -89,7 +89,8 @@ fn scene(program: &str) -> SceneSource {
 
 fn evaluate(source: &SceneSource, sample: &[f64]) -> Result<SampleResult, SlotError> {
     let slots = EvaluationSlots::open(source).unwrap().unwrap();
-    slots.slot(0).evaluate(SlotRequest { id: 7, level: 0, sample }, &StopSignal::default())
+    let request = SlotRequest { id: 7, level: 0, with_first_cycle: true, sample };
+    slots.slot(0).evaluate(request, &StopSignal::default())
 }
 
 fn served(more: &str) -> SceneSource {
@@ -98,6 +99,10 @@ fn served(more: &str) -> SceneSource {
 
 /// The same life by the built-in simulator, with `more` in its scene.
 fn built_in(more: &str) -> Evaluation {
+    own_life(more, SimulateOptions::default())
+}
+
+fn own_life(more: &str, options: SimulateOptions) -> Evaluation {
     let own =
         SceneSource::parse(&format!("scene = {{ extends = \"four-bar\", name = \"own\" }}\n{more}"), "own")
             .unwrap();
@@ -109,7 +114,7 @@ fn built_in(more: &str) -> Evaluation {
     ];
     let sample = own.sample_with(&settings.map(|(name, value)| (name.to_owned(), value))).unwrap();
     let scene = own.resolve_sample(&sample).unwrap();
-    simulate(&scene, &Accuracy::draft(), SimulateOptions::default()).unwrap()
+    simulate(&scene, &Accuracy::draft(), options).unwrap()
 }
 
 /// Operating conditions that change what the program simulates, and one of them also what the cycle wears.
@@ -167,6 +172,39 @@ fn one_cycle_of_ideal_joints_serves_a_whole_life() {
         );
     }
     assert!(life.histories[1].iter().all(|speed| *speed == life.histories[1][0]));
+}
+
+#[test]
+fn cycles_of_a_program_are_displayed_as_those_of_the_built_in_mechanics() {
+    let life = evaluate(&served("tier = \"contact\""), &SAMPLE).unwrap().unwrap();
+    let own = own_life("", SimulateOptions::WITH_FIRST_CYCLE);
+    let last = |life: &Evaluation| life.worn.as_ref().and_then(|worn| worn.last_cycle.clone());
+    for (found, expected) in [(life.first_cycle.clone(), own.first_cycle.clone()), (last(&life), last(&own))] {
+        let (found, expected) = (found.unwrap(), expected.unwrap());
+        assert_eq!(found.time, expected.time);
+        for (of_program, built_in) in found.joint_force.iter().zip(&expected.joint_force) {
+            assert_eq!(of_program.0, built_in.0);
+            let squares = |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>();
+            let pairs = of_program.1.iter().zip(&built_in.1);
+            let off = squares(&mut pairs.map(|(a, b)| a - b)) / squares(&mut built_in.1.iter().copied());
+            assert!(off.sqrt() < 0.2, "{}: {}", of_program.0, off.sqrt());
+            let journal = found.journal(&of_program.0).unwrap();
+            let clearance = if of_program.0 == "crank" { SAMPLE[2] } else { 30e-6 };
+            for ((force, e), size) in journal.force.iter().zip(&journal.eccentricity).zip(&of_program.1) {
+                let reach = e[0].hypot(e[1]);
+                assert!(reach < clearance + 20e-6, "{}: {reach}", of_program.0);
+                // A straight line between two vectors is within that between their sizes.
+                assert!(force[0].hypot(force[1]) <= size + 1e-9);
+            }
+        }
+        let turns = |body: &BodyTrace| (body.angle[1000] - body.angle[0]).abs() / std::f64::consts::TAU;
+        let whole = found.bodies.iter().map(|body| (body.label.as_str(), turns(body).round()));
+        assert_eq!(whole.collect::<Vec<_>>(), [("crank", 1.0), ("coupler", 0.0), ("rocker", 0.0)]);
+    }
+    let [worn, of_own] = [&life, &own].map(|life| life.worn.as_ref().unwrap());
+    assert_eq!((&worn.cycles, worn.wear_depth.len()), (&of_own.cycles, of_own.wear_depth.len()));
+    let reaction = evaluate(&served("tier = \"reaction\""), &SAMPLE).unwrap().unwrap();
+    assert!(reaction.first_cycle.is_some() && last(&reaction).is_none(), "one cycle serves the whole life");
 }
 
 /// A program of a shell script, which may call the worker as `served`.

@@ -35,8 +35,8 @@ impl Evaluator for SlotEvaluator {
     fn run(&mut self, source: &mut dyn RequestSource) -> Result<(), EvaluateError> {
         let threads = self.slots.iter_mut().map(|slot| {
             move |request: &Request, stop: &StopSignal| {
-                let Request { id, level, sample, .. } = request;
-                let asked = SlotRequest { id: *id, level: *level, sample };
+                let Request { id, level, with_first_cycle, ref sample, .. } = *request;
+                let asked = SlotRequest { id, level, with_first_cycle, sample };
                 let outcome = slot.evaluate(asked, stop)?;
                 Ok((outcome, slot.name()))
             }

@@ -2,12 +2,13 @@
 //! study from the documents `summary` and `distributions`. The report of a finished study needs no new evaluation.
 
 use super::format::words;
-use super::stated_errors::{add_errors, over_life};
+use super::life::governing;
 use super::untested::{no_simulated_failure, steps_and_noise};
-use super::{StatedAt, WrittenScene};
+use super::WrittenScene;
 use crate::presentation::motion_cautions::{control_points_notes, motion_cautions};
 use crate::results::store::{CampaignFile, CampaignMeta, StoreError};
 use crate::results::summary::StudySummary;
+use crate::results::verified::{VerificationRow, verifications};
 use crate::study::ExplicitModel;
 use common::outputs::{COUNTERS, CycleHistory, Diagnostics, Evaluation, NarrowGroove, WornLife};
 use common::scene::{ContactLaw, JointKind, LimitState, OutputUnit, Scene};
@@ -70,14 +71,17 @@ pub struct ReportInput {
     pub distributions: Vec<CheckpointDistribution>,
     /// The surrogates as plain numbers, where the study stored them.
     pub explicit: Option<ExplicitModel>,
-    /// Numerical errors that the evaluations state, per output and checkpoint `(outputs)(m,)`; empty if none do.
-    pub stated: Vec<Vec<StatedAt>>,
+    /// Median and largest numerical error that the evaluations state of an output at the checkpoint where R is nearest 1/2 `(outputs,)` [SI];
+    /// empty if none do.
+    pub stated: Vec<[f64; 2]>,
     /// Evaluations with a result, in the order of their numbers.
     pub samples: Vec<SimulatedSample>,
     /// Evaluations without a result: number, and reason given by the simulator.
     pub failures: Vec<(u64, String)>,
     /// Numerical work of all evaluations.
     pub work: WorkTotals,
+    /// What direct simulation has shown of the study.
+    pub verified: Vec<VerificationRow>,
     /// Cautions: limits of this study that a reader must know.
     pub notes: Vec<String>,
     /// Scene, settings, command and program of the study as its file states them.
@@ -102,10 +106,15 @@ impl ReportInput {
         let go_on = go_on(&summary, &campaign.dir);
         let mut input = Self::new(scene, summary, distributions);
         input.notes.splice(0..0, go_on);
+        match verifications(&campaign.dir) {
+            Ok(rows) => input.verified = rows,
+            Err(reason) => input.notes.push(reason),
+        }
         input.explicit = campaign.document::<Option<ExplicitModel>>(EXPLICIT_DOCUMENT)?.flatten();
         input.meta = campaign.meta.clone();
         input.written = WrittenScene::new(&input.meta.scene_source);
-        let (mut checkpoints, mut stated) = (vec![], vec![]);
+        let cycles = governing(&input.summary).map(|row| row.cycles);
+        let mut stated: Vec<Vec<f64>> = vec![vec![]; scene.outputs.len()];
         campaign.for_each(|stored| {
             if stored.level > 0 {
                 return Ok(());
@@ -113,8 +122,9 @@ impl ReportInput {
             match stored.outcome {
                 Ok(evaluation) => {
                     input.work.add(&evaluation.diagnostics, stored.wall);
-                    add_errors(&mut stated, &evaluation.errors);
-                    checkpoints.clone_from(&evaluation.cycles);
+                    let place = evaluation.cycles.iter().position(|at| Some(*at) == cycles);
+                    let errors = evaluation.errors.iter().filter_map(|errors| errors.get(place?));
+                    stated.iter_mut().zip(errors).for_each(|(all, error)| all.push(*error));
                     input.samples.push((stored.sample, failures_of(scene, &evaluation)));
                     if stored.id == 0 {
                         input.notes.extend(cautions(&evaluation.diagnostics));
@@ -127,7 +137,7 @@ impl ReportInput {
             }
             Ok::<(), StoreError>(())
         })?;
-        input.stated = over_life(&checkpoints, stated);
+        input.stated = stated.into_iter().filter_map(median_and_largest).collect();
         Ok(Some(input))
     }
 
@@ -155,6 +165,7 @@ impl ReportInput {
             samples: vec![],
             failures: vec![],
             work: WorkTotals::default(),
+            verified: vec![],
             meta: CampaignMeta::default(),
             written: WrittenScene::default(),
             scene: scene.clone(),
@@ -186,6 +197,11 @@ impl ReportInput {
         self.worn()?.last_cycle.as_ref()
     }
 
+    /// True if lives are simulated here: of a mechanism, or around the cycles of a program.
+    pub fn has_lives(&self) -> bool {
+        self.scene.simulator.as_ref().is_none_or(|simulator| simulator.cycles.is_some())
+    }
+
     /// `mechanism` or `system`.
     pub fn subject(&self) -> &'static str {
         self.summary.subject()
@@ -200,6 +216,12 @@ impl ReportInput {
     pub fn output_of(&self, state: &LimitState) -> String {
         words(&self.scene.outputs[state.output].name)
     }
+}
+
+/// Median and largest of these values; `None` without any.
+fn median_and_largest(mut values: Vec<f64>) -> Option<[f64; 2]> {
+    values.sort_unstable_by(f64::total_cmp);
+    Some([*values.get(values.len() / 2)?, *values.last()?])
 }
 
 /// Checkpoint by which each limit state of an evaluation has failed, if it has [cycles].

@@ -1,8 +1,8 @@
-//! Parts of the interval of R and the levels of accuracy that correct it, in words and as tables; the stated numerical errors in words.
+//! Parts of the interval of R and the levels of accuracy that correct it, in words and as a table; the stated numerical errors in words.
 
 use super::format::{count, fixed, joined, percent, three_digits};
 use super::life::governing;
-use super::{ReportInput, table, table_of};
+use super::{ReportInput, table_of};
 use crate::results::reliability_summary::ErrorParts;
 use crate::results::summary::{ReliabilityRow, StudySummary};
 use crate::results::summary_rows::DifferenceRow;
@@ -91,45 +91,31 @@ fn signed_percent(share: f64) -> String {
     format!("{}{}", if share < 0.0 { "-" } else { "+" }, percent(share.abs()))
 }
 
-/// Parts of the intervals of all curves where R of the system is nearest 1/2, and the differences of the levels.
-pub fn tables(summary: &StudySummary) -> Markup {
-    let Some(row) = governing(summary).filter(|row| !row.parts.is_empty()) else { return html! {} };
-    let [samples, surrogates, numerical] = PARTS;
-    let head = ["half width of the 95 % interval of R", samples, surrogates, numerical, "all"];
-    let cells = |name: &str| {
-        let widths = row.parts.get(name).map(half_widths).unwrap_or_default();
-        let all = widths.iter().map(|width| width * width).sum::<f64>().sqrt();
-        let numbers = widths.into_iter().chain([all]).enumerate();
-        let numbers = numbers.map(|(place, width)| half_width(summary, place, width));
-        std::iter::once(format!("{name}, {} cycles", count(row.cycles.into()))).chain(numbers)
-    };
-    let parts = table(&head, summary.curve_names().map(cells));
+/// The differences of the levels; nothing for a study without any.
+pub fn table_of_levels(summary: &StudySummary) -> Markup {
     let differences = summary.levels.as_ref().map_or(&[][..], |levels| &levels.differences);
-    html! {
-        (parts)
-        @if !differences.is_empty() {
-            (table_of::<&DifferenceRow>(
-                &[
-                    ("difference of the levels", &|row| row.limit_state.clone()),
-                    ("form", &|row| row.form.clone()),
-                    ("of the limit", &|row| signed_percent(row.correction)),
-                    ("± (95 %)", &|row| percent(row.error)),
-                    ("spread from point to point", &|row| percent(row.rough)),
-                    ("order", &|row| row.order.map_or("not observed".to_owned(), |order| fixed(order, 1))),
-                ],
-                differences,
-            ))
-        }
+    if differences.is_empty() {
+        return html! {};
     }
+    table_of::<&DifferenceRow>(
+        &[
+            ("difference of the levels", &|row| row.limit_state.clone()),
+            ("form", &|row| row.form.clone()),
+            ("of the limit", &|row| signed_percent(row.correction)),
+            ("± (95 %)", &|row| percent(row.error)),
+            ("spread from point to point", &|row| percent(row.rough)),
+            ("order", &|row| row.order.map_or("not observed".to_owned(), |order| fixed(order, 1))),
+        ],
+        differences,
+    )
 }
 
 /// Meaning and size of the stated errors, and their place in the intervals; empty if no evaluation states errors.
 pub fn sentences(input: &ReportInput) -> Vec<String> {
     let Some(row) = governing(&input.summary) else { return vec![] };
     let size = |state: &LimitState| {
-        let stated = input.stated.get(state.output)?.iter().find(|stated| stated.cycles == row.cycles)?;
         let of_limit = |error: f64| percent(error.abs() / state.scale());
-        let [typical, largest] = [stated.typical, stated.largest].map(of_limit);
+        let [typical, largest] = input.stated.get(state.output)?.map(of_limit);
         Some(format!("{} {typical}, at most {largest}", input.output_of(state)))
     };
     let sizes = joined(input.scene.limit_states.iter().filter_map(size), "; ");
@@ -192,9 +178,9 @@ mod tests {
             text.contains("9 pairs at a finer level, 3 of them") && text.contains("wear -1.8 % ± 0.2 %"),
             "{text}"
         );
-        assert!(tables(&summary).0.contains("not observed") || tables(&summary).0.contains("2.0"));
-        summary.reliability.iter_mut().for_each(|row| row.parts.clear());
-        assert!(tables(&summary).0.is_empty());
+        assert!(table_of_levels(&summary).0.contains("2.0"));
+        summary.levels = None;
+        assert!(table_of_levels(&summary).0.is_empty());
     }
 
     #[test]

@@ -10,6 +10,9 @@ pub type Pose = ([f64; 2], f64);
 /// Poses of all bodies at every instant of a cycle `(n, bodies)`; `None` if the cycle does not include the motion of
 /// every body.
 pub fn poses(scene: &Scene, cycle: &CycleHistory) -> Option<Vec<Vec<Pose>>> {
+    if cycle.motion.is_empty() {
+        return None;
+    }
     let motions = scene.bodies.iter().map(|body| match body.motion {
         Motion::Fixed => Some(None),
         _ => cycle.motion.iter().find(|motion| motion.body == body.name).map(Some),

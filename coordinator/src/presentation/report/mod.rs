@@ -18,7 +18,6 @@ pub mod palette;
 mod plot;
 pub mod polar;
 mod sliders;
-mod stated_errors;
 mod studied;
 mod tables;
 #[cfg(test)]
@@ -41,7 +40,6 @@ pub use life::{failure_probability, reliability};
 pub use page::{Drawing, Figure, LiveStatus, Page, captioned, standalone};
 pub use palette::{Ink, SERIES};
 pub use plot::{Axis, Band, Plot, Points, Scale, Series, Shape, tick_label};
-pub use stated_errors::StatedAt;
 pub use tables::{table, table_of, table_of_text};
 pub use written::WrittenScene;
 
@@ -50,7 +48,7 @@ use crate::results::result_files::{
 };
 use crate::results::store::CampaignFile;
 use crate::results::summary::StudySummary;
-use bars::{BarPair, Bars};
+use bars::Bars;
 use common::scene::Scene;
 use std::path::{Path, PathBuf};
 

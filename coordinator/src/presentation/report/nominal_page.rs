@@ -31,7 +31,7 @@ pub fn page(input: &ReportInput, facts: &[(&str, String)], source: &str) -> Page
     let rows = facts.iter().map(|(name, value)| [*name, value]);
     page.add(captioned("facts", "The simulation", tables::table_of_text(&["item", "value"], rows)));
     begin(&mut page, input, None);
-    let scripts = chapters::motion(&mut page, input);
+    let scripts = if scene.simulator.is_none() { chapters::motion(&mut page, input) } else { html! {} };
     chapters::wear_and_cycles(&mut page, input);
     page.begin("What was simulated");
     page.add(studied::mechanism(scene, source));
@@ -55,9 +55,7 @@ fn limits(input: &ReportInput) -> Markup {
     if scene.limit_states.is_empty() {
         return html! {};
     }
-    // A simulator's outputs have no first cycle.
-    let known = input.nominal.as_ref().filter(|_| scene.simulator.is_none());
-    let lives = known.map(|evaluation| nominal_lives(scene, evaluation));
+    let lives = input.nominal.as_ref().map(|evaluation| nominal_lives(scene, evaluation));
     let rows = scene.limit_states.iter().enumerate().map(|(k, limit)| {
         let output = &scene.outputs[limit.output];
         let shown = |value: f64| with_unit(&scene.unit_of(output), value);

@@ -1,13 +1,11 @@
 //! The tables of the report.
 
-use super::figures::{rows_at_governing, words};
+use super::figures::words;
 use super::format::{UNKNOWN, count, duration, fixed, percent, three_digits, with_unit};
 use super::input::{GroovedJoint, ReportInput};
 use super::life::{self, LEVELS, life_and_limits, life_at};
-use crate::results::summary::{ReliabilityRow, Round, ScaleRow, SensitivityRow, WorkerShare};
-use crate::statistics::reliability::REACH;
+use crate::results::summary::{ReliabilityRow, Round, ScaleRow, WorkerShare};
 use common::outputs::COUNTERS;
-use common::random::Distribution;
 use common::scene::{OutputUnit, Units};
 use maud::{Markup, Render, html};
 
@@ -120,32 +118,6 @@ pub fn lives(input: &ReportInput) -> Markup {
     }
 }
 
-/// Sensitivities of one limit state at the governing checkpoint, all variables; `None` if there are none.
-pub fn sensitivity(input: &ReportInput, limit_state: &str) -> Option<Markup> {
-    let rows = rows_at_governing(input, limit_state);
-    if rows.is_empty() {
-        return None;
-    }
-    let law = |row: &SensitivityRow, of: fn(&Distribution) -> f64| {
-        let variable = input.scene.variables.iter().find(|variable| variable.name == row.variable);
-        three_digits(variable.map_or(f64::NAN, |variable| of(&variable.distribution)))
-    };
-    Some(table_of::<&SensitivityRow>(
-        &[
-            ("variable", &|row| words(&row.variable)),
-            ("mean (SI)", &|row| law(row, |law| law.parent_mean())),
-            ("std (SI)", &|row| law(row, |law| law.given_std())),
-            ("dPf/dmean", &|row| three_digits(row.d_pf_d_mean)),
-            ("± (sampling)", &|row| three_digits(REACH * row.standard_error.d_pf_d_mean)),
-            ("dPf/dstd", &|row| three_digits(row.d_pf_d_std)),
-            ("± (sampling)", &|row| three_digits(REACH * row.standard_error.d_pf_d_std)),
-            ("scaled, mean", &|row| three_digits(row.scaled.d_pf_d_mean)),
-            ("scaled, std", &|row| three_digits(row.scaled.d_pf_d_std)),
-        ],
-        rows,
-    ))
-}
-
 /// Rounds of learning.
 pub fn rounds(input: &ReportInput) -> Markup {
     let or_unknown = |value: Option<f64>| value.map_or(UNKNOWN.to_string(), three_digits);
@@ -172,7 +144,9 @@ pub fn diagnostics(input: &ReportInput) -> Markup {
     let work = &input.work;
     let per = |sum: u64| three_digits(sum as f64 / work.evaluations.max(1) as f64);
     let flight = input.nominal.as_ref().map_or(&[][..], |nominal| &nominal.diagnostics.free_flight_fraction);
-    let sums = COUNTERS.into_iter().zip(work.counts);
+    // A program has time steps of its own.
+    let is_counted = |sum: u64| sum > 0 || input.scene.simulator.is_none();
+    let sums = COUNTERS.into_iter().zip(work.counts).filter(|(_, sum)| is_counted(*sum));
     let sums = sums.map(|((_, name, _), sum)| [name.to_owned(), count(sum), per(sum)]);
     let shares = flight.iter().map(|(name, share)| [name.clone(), percent(*share)]);
     html! {

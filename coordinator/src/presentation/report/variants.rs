@@ -1,11 +1,10 @@
-//! Variants of the model in a study: the range of the lives in words, the envelope of R, the changes of the lives, and both as a table.
+//! Variants of the model in a study: the range of the lives in words, the envelope of R, and the lives with their changes as a table.
 
 use super::figures::span;
 use super::format::{fixed, signed_with_width, whole};
 use super::life::{LEVELS, LifeAt, life_and_limits, life_at};
-use super::{Axis, BarPair, Bars, Figure, Ink, LifeAxis, Plot, Points, Series, Shape, table};
+use super::{Axis, Figure, Ink, LifeAxis, Plot, Points, Series, Shape, table};
 use crate::results::summary::{ReliabilityRow, StudySummary, VariantRow};
-use crate::statistics::reliability::REACH;
 use maud::Markup;
 
 /// The study with the lives and reliabilities of a variant.
@@ -50,12 +49,12 @@ fn points(rows: &[ReliabilityRow], axis: &LifeAxis) -> Points {
     rows.iter().filter_map(|row| Some((axis.place(row.cycles), *row.reliability.get("total")?))).collect()
 }
 
-/// The envelope of R over the study and its variants, and the change of the lives by each variant, the largest first.
-pub fn figures(summary: &StudySummary) -> Vec<Figure> {
+/// The envelope of R over the study and its variants.
+pub fn figure(summary: &StudySummary) -> Option<Figure> {
     let known: Vec<&VariantRow> =
         summary.variants.iter().filter(|variant| !variant.reliability.is_empty()).collect();
     if known.is_empty() || summary.is_static() {
-        return vec![];
+        return None;
     }
     let axis = LifeAxis::new(summary);
     let own = points(&summary.reliability, &axis);
@@ -75,23 +74,7 @@ pub fn figures(summary: &StudySummary) -> Vec<Figure> {
     series.push(Series::new("study", Ink::Ink, Shape::Line(own)));
     let x = Axis::linear(axis.label, span(summary, &axis));
     let caption = "Reliability of the whole system by the study and by each variant; area: between the least and the largest.";
-    let envelope = Plot::of_reliability("variants", x, &series).figure("R by variants of the model", caption);
-    let pair = |variant: &&VariantRow| {
-        let of = |level: f64| {
-            let place = variant.lives.iter().position(|life| life.reliability.to_bits() == level.to_bits());
-            let change = place.and_then(|place| variant.changes_of_lives.get(place).copied().flatten());
-            let half = change.and_then(|change| Some(0.5 * (change.upper? - change.lower?)));
-            (change.map_or(0.0, |change| change.value), half.unwrap_or(0.0) / REACH)
-        };
-        let [first, second] = [LEVELS[0], LEVELS[2]].map(of);
-        (variant.name.clone(), [first.0, second.0], [first.1, second.1])
-    };
-    let mut all: Vec<BarPair> = known.iter().map(pair).collect();
-    all.sort_by(|(_, a, _), (_, b, _)| b[0].abs().total_cmp(&a[0].abs()));
-    let (labels, axis) = (["R = 0.99", "R = 0.5"], "change of the life [cycles]");
-    let bars = Bars { figure: "variants-lives", labels, axis, signed: true, shown: all.len(), all };
-    let title = "Change of the lives by variants of the model";
-    vec![envelope, bars.figure(title, "Change from the study; thin lines: 95 % intervals.")]
+    Some(Plot::of_reliability("variants", x, &series).figure("R by variants of the model", caption))
 }
 
 /// Lives of every variant with their changes.

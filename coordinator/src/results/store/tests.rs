@@ -71,6 +71,7 @@ pub(super) fn finished(id: u64) -> Finished {
         bodies: vec![BodyTrace { label: "right".into(), angle: x.clone(), speed: vec![-0.0, 0.7] }],
         motion: vec![],
         joint_force: vec![("1".into(), vec![0.1, 0.2])],
+        journals: vec![],
     });
     let worn = first_cycle.clone().map(|cycle| WornLife {
         cycles: vec![0, 1000],

@@ -76,6 +76,7 @@ pub fn first_cycle() -> CycleHistory {
             moving("rod", time.iter().zip(&turning).map(behind).collect()),
         ],
         joint_force: (1..=6).map(force).collect(),
+        journals: vec![],
         time,
     }
 }

@@ -38,7 +38,8 @@ pub fn animation(input: &ReportInput) -> Option<(Figure, String)> {
     let first = shown.first()?;
     let wear: Vec<&[f64]> = nominal.joints.iter().map(|joint| joint.wear_depth.as_slice()).collect();
     let layout = drawing::Layout::new(scene, &shown, &wear)?;
-    let caption = format!(
+    let has_bores = with_clearance(scene).next().is_some();
+    let of_bores = format!(
         "Nominal mechanism. Top: true proportions. Bottom: every journal in its bore, oriented as in the mechanism, with \
          clearance and wear magnified {} times. {}",
         count(layout.magnification().round() as u64),
@@ -49,6 +50,7 @@ pub fn animation(input: &ReportInput) -> Option<(Figure, String)> {
             "Bores unworn.".to_string()
         }
     );
+    let caption = if has_bores { of_bores } else { "Nominal mechanism in true proportions.".to_owned() };
     let rows = shown.iter().flat_map(|shown| {
         shown.cycle.motion.iter().flat_map(move |motion| {
             let poses = shown.cycle.time.iter().zip(motion.position.iter().zip(&motion.angle));
@@ -66,7 +68,7 @@ pub fn animation(input: &ReportInput) -> Option<(Figure, String)> {
         csv: csv(&["cycle", "body", "time [ms]", "x [mm]", "y [mm]", "angle [deg]"], rows),
     };
     let cycles: Value = shown.iter().map(|shown| cycle(scene, &layout, shown)).collect();
-    let lives = input.worn().filter(|worn| worn.cycles.len() > 1);
+    let lives = input.worn().filter(|worn| has_bores && worn.cycles.len() > 1);
     let lives = lives.map(|worn| bores(scene, &layout, worn));
     Some((figure, json!({ "cycles": cycles, "lives": lives }).to_string()))
 }

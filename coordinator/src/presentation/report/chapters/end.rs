@@ -5,7 +5,7 @@ use crate::presentation::report::figures::parallel_coordinates;
 use crate::presentation::report::format::{
     UNKNOWN, capital, count, fixed, joined, number_of_cycles, percent, seven_digits, three_digits, unit_scale,
 };
-use crate::presentation::report::page::{details, mark, refer_table};
+use crate::presentation::report::page::{beside, details, mark, refer_table};
 use crate::presentation::report::{
     Page, ReportInput, captioned, drawing, table, table_of_text, tables, words,
 };
@@ -15,11 +15,14 @@ use maud::{Markup, Render, html};
 /// Adds the chapter of combinations that fail and of most probable failures.
 pub fn failing(page: &mut Page, input: &ReportInput) {
     page.begin("Simulations and failure points");
-    let combinations = page.draw(parallel_coordinates(input), "two");
-    page.add(html! { (combinations) (failure_points(input)) });
+    let combinations = page.draw(parallel_coordinates(input), "one");
+    page.add(beside(&combinations, failure_points(input)));
 }
 
-/// The most probable failures of all limit states: one pair of columns each, one row per variable.
+/// Variables with a row in the table of the most probable failures.
+const VARIABLES_LISTED: usize = 12;
+
+/// The most probable failures of all limit states: one pair of columns each, one row for each of the variables farthest from their medians.
 fn failure_points(input: &ReportInput) -> Markup {
     let points = &input.summary.failure_points;
     if points.is_empty() {
@@ -35,7 +38,14 @@ fn failure_points(input: &ReportInput) -> Markup {
         |point: &FailurePointRow| [format!("{}: value", point.limit_state), "standard deviations".to_owned()];
     let head: Vec<String> =
         ["variable", "unit"].map(str::to_owned).into_iter().chain(points.iter().flat_map(of_point)).collect();
-    let rows = input.scene.variables.iter().map(|variable| {
+    let distance = |name: &str| {
+        let rows = points.iter().flat_map(|point| &point.variables).filter(|row| row.variable == name);
+        rows.map(|row| row.normal.abs()).fold(0.0, f64::max)
+    };
+    let mut variables: Vec<_> = input.scene.variables.iter().collect();
+    variables.sort_by(|a, b| distance(&b.name).total_cmp(&distance(&a.name)));
+    let all = variables.len();
+    let rows = variables.into_iter().take(VARIABLES_LISTED).map(|variable| {
         let scale = unit_scale(&variable.unit);
         let cells = points.iter().flat_map(move |point| {
             let own = point.variables.iter().find(|row| row.variable == variable.name);
@@ -44,9 +54,14 @@ fn failure_points(input: &ReportInput) -> Markup {
         });
         [variable.name.clone(), variable.unit.clone()].into_iter().chain(cells)
     });
+    let rest = if all > VARIABLES_LISTED {
+        format!(" The {VARIABLES_LISTED} of {all} variables farthest from their medians; all: summary.json.")
+    } else {
+        String::new()
+    };
     let title = format!(
         "Most probable failure per limit state: of all failed points of the population the one nearest to the medians in the space of \
-         independent standard normals. {}",
+         independent standard normals. {}{rest}",
         joined(points.iter().map(|point| failure_point(input, point)), " ")
     );
     captioned("failure-points", &title, table(&head, rows))
@@ -98,7 +113,7 @@ pub fn effort(page: &mut Page, input: &ReportInput) {
     page.add(html! {
         div.pair {
             div {
-                @if input.summary.of_mechanism() {
+                @if input.has_lives() {
                     (captioned("work", "Numerical work", tables::diagnostics(input)))
                 }
                 @if let Some(table) = tables::stated_errors(input) {
@@ -119,20 +134,11 @@ pub fn effort(page: &mut Page, input: &ReportInput) {
 
 /// Evaluations without a result.
 fn failures(input: &ReportInput) -> Markup {
-    let learned = !input.summary.convergence.rounds.is_empty();
     let listed = input.failures.iter().take(FAILURES_LISTED);
     let rows = listed.map(|(id, reason)| [id.to_string(), reason.clone()]);
     html! {
         p {
-            "Evaluations without a result: " (count(input.failures.len() as u64)) ". They are excluded"
-            @if input.summary.is_direct() {
-                "; the intervals of R contain both extremes, that all or none of these samples have failed"
-            } @else if learned {
-                "; the share of the population that cannot be simulated is estimated at "
-                (percent(input.summary.failures.barred_share))
-                ", and the intervals of R contain both extremes, that all or none of it fails"
-            }
-            "."
+            "Evaluations without a result: " (count(input.failures.len() as u64)) "."
             @if input.failures.len() > FAILURES_LISTED { " The first are listed here, all of them in samples.csv." }
         }
         (details("Failed evaluations", table_of_text(&["evaluation", "reason of the failure"], rows)))
@@ -150,7 +156,7 @@ pub fn repeat(input: &ReportInput) -> Markup {
     html! {
         h3 { "Reproducibility" }
         p {
-            "Command, version and seed are in " (refer_table("facts")) ", the scene is listed below and stored next to this \
+            "Command and version are in " (refer_table("facts")) ", the seed in " (refer_table("settings")) ", the scene is listed below and stored next to this \
              page in " code { "scene.toml" } "; the settings include every value that the command left at its default. The same version, scene, settings \
              and seed give bit-identical results for any number of workers."
         }
@@ -168,7 +174,6 @@ pub fn identification(page: &mut Page, input: &ReportInput) {
 /// What identifies the study.
 fn facts(input: &ReportInput) -> Markup {
     let summary = &input.summary;
-    let workers: Vec<&str> = summary.workers.iter().map(|worker| worker.name.as_str()).collect();
     let stated = |key: &'static str| Some((key, input.written.name(&format!("report.{key}"))?.render()));
     let rows = ["project", "revision"].into_iter().filter_map(stated).chain([
         ("begun", html! { (or_unknown(&moment(&summary.created))) }),
@@ -179,16 +184,13 @@ fn facts(input: &ReportInput) -> Markup {
             html! { (summary.scene) ", SHA-256 of " code { "scene.toml" } " " code { (or_unknown(&summary.scene_sha256)) } },
         ),
         ("method", html! { (summary.method) ", accuracy " (words::accuracy(summary)) }),
-        ("seed", html! { (summary.seed) }),
-        ("population", html! { (count(summary.population as u64)) }),
-        ("workers", html! { (or_unknown(&workers.join(", "))) }),
     ]);
     let rows = rows.map(|(name, value)| [name.render(), value]);
     captioned("facts", "The study", table_of_text(&["item", "value"], rows))
 }
 
 /// A time of the campaign file, e.g. `2026-11-23T23:18:38.139Z`, to the second.
-fn moment(time: &str) -> String {
+pub fn moment(time: &str) -> String {
     match time.split_once('T') {
         Some((day, clock)) => format!("{day} {} UTC", clock.split(['.', 'Z']).next().unwrap_or_default()),
         None => time.to_owned(),
@@ -264,12 +266,29 @@ fn signatures(input: &ReportInput) -> Markup {
 mod tests {
     use super::*;
     use crate::presentation::report::{page, render};
+    use crate::results::verified::VerificationRow;
     use crate::tests::test_study;
     use common::random::RandomVariable;
 
     #[test]
     fn times_are_stated_to_the_second() {
         assert_eq!(moment("2026-11-23T23:18:38.139Z"), "2026-11-23 23:18:38 UTC");
+    }
+
+    #[test]
+    fn what_direct_simulation_has_shown_is_stated_with_its_time() {
+        let mut input = test_study::report_input();
+        let row = VerificationRow {
+            made: "2026-11-23T23:18:38Z".into(),
+            evaluations: input.summary.evaluations.total,
+            compared: "surrogates with others".into(),
+            found: "Q2 at least 0.9".into(),
+        };
+        input.verified = vec![row.clone(), VerificationRow { evaluations: 7, ..row }];
+        let html = render(&input, true).html(None);
+        let said = "<p>Verified 2026-11-23 23:18:38 UTC: surrogates with others: Q2 at least 0.9.";
+        assert!(html.contains(&format!("{said}</p>")));
+        assert!(html.contains(&format!("{said} The study had 7 simulations then.</p>")));
     }
 
     #[test]

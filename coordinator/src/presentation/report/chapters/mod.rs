@@ -4,10 +4,10 @@
 mod end;
 
 use super::animation::{SCRIPT, animation};
-use super::figures::{self, file_name};
+use super::figures;
 use super::format::{count, fixed, joined, sentence};
 use super::life::{LEVELS, failure_probability, rows_that_matter, unit_of_life};
-use super::page::refer_table;
+use super::page::beside;
 use super::{Page, ReportInput, captioned, table_of};
 use super::{levels, sliders, studied, tables, variants, words};
 use common::outputs::JointSummary;
@@ -46,12 +46,12 @@ pub fn page(input: &ReportInput, has_files: bool) -> Page {
 fn reliability(page: &mut Page, input: &ReportInput) {
     let (rows, all) = (rows_that_matter(&input.summary, 1), &input.summary.reliability);
     page.begin("Reliability");
-    let drawn = page.draw(figures::first_failure(input), "two");
+    let drawn = page.draw(figures::first_failure(input), "one");
+    let title = "Reliability at the checkpoints that matter, with 95 % intervals";
     page.add(html! {
-        (drawn)
-        (captioned("reliability", "Reliability at the checkpoints that matter, with 95 % intervals", tables::reliability(input, rows)))
+        (beside(&drawn, captioned("reliability", title, tables::reliability(input, rows))))
         @if rows.len() < all.len() {
-            p { "All checkpoints: " (refer_table(CHECKPOINTS)) "; more digits in " code { "reliability.csv" } "." }
+            p { "All checkpoints: " code { "reliability.csv" } "." }
         }
     });
 }
@@ -63,47 +63,24 @@ fn variants_of_model(page: &mut Page, input: &ReportInput) {
         return;
     }
     page.begin("Variants of the model");
-    let drawn = page.draw(variants::figures(summary), "two");
+    let drawn = page.draw(variants::figure(summary), "two");
     let rows = captioned("variants", "Lives by variants of the model", variants::rows(summary));
     page.add(html! { (drawn) (rows) });
 }
 
 /// Sensitivities of the failures, and contributions to the variance of the outputs.
 fn influences(page: &mut Page, input: &ReportInput) {
-    let (mut drawn, variance) = (figures::sensitivities(input), figures::variance_contributions(input));
+    let (derivatives, variance) = (figures::sensitivities(input), figures::variance_contributions(input));
     let has_indices = !variance.is_empty();
-    drawn.retain(|figure| figure.name != SYSTEM);
-    drawn.extend(variance);
-    page.add_chapter("Sensitivity", html! {}, (drawn, "two"), "No sensitivities were computed.");
-    let tables: Vec<String> = sensitivities(input).into_iter().map(|(name, _)| name).collect();
+    page.add_chapter("Sensitivity", html! {}, ([derivatives, variance].concat(), "two"), "No sensitivities were computed.");
     page.add(html! {
         @if !has_indices {
             p.none { "No Sobol indices: the study has no surrogates, or its variables are dependent." }
         }
-        @if !tables.is_empty() {
-            p {
-                "All variables: "
-                @for (k, name) in tables.iter().enumerate() { @if k > 0 { ", " } (refer_table(name)) }
-                "."
-            }
+        @if !input.summary.sensitivity.is_empty() {
+            p { "All variables and checkpoints: " code { "summary.json" } "." }
         }
     });
-}
-
-/// Name of the figure of the system's sensitivities, which those of its limit states have in their shares.
-const SYSTEM: &str = "sensitivity-total";
-
-/// Name of the table of all checkpoints.
-const CHECKPOINTS: &str = "checkpoints";
-
-/// Tables of the sensitivities by their names.
-fn sensitivities(input: &ReportInput) -> Vec<(String, Markup)> {
-    let of = |name: &str| {
-        let title = format!("Sensitivity of the failure probability by {name}, all variables");
-        let table_name = format!("sensitivity-{}", file_name(name));
-        Some((table_name.clone(), captioned(&table_name, &title, tables::sensitivity(input, name)?)))
-    };
-    input.scene.limit_states.iter().filter_map(|state| of(&state.name)).collect()
 }
 
 /// Quality of the surrogates, convergence, and the parts of the interval.
@@ -116,51 +93,47 @@ fn quality(page: &mut Page, input: &ReportInput) {
         (true, false) => "The study stored no predictions of its surrogates.",
         (false, _) => "",
     };
-    let of_rounds = figures::learning(input).into_iter().take(1);
     page.begin("Quality of the result");
-    let drawn = predicted.into_iter().chain(of_rounds).chain(figures::parts_of_interval(summary));
+    let drawn = predicted.into_iter().chain(figures::learning(input)).chain(figures::parts_of_interval(summary));
     let drawn = page.draw(drawn, "two");
     page.add(html! {
         @if !none.is_empty() { p.none { (none) } }
         @if !stopped.is_empty() { p { "Stopped because: " (stopped) "." } }
+        @for row in &input.verified {
+            p {
+                "Verified " (end::moment(&row.made)) ": " (row.compared) ": " (row.found) "."
+                @if row.evaluations != summary.evaluations.total {
+                    " The study had " (count(row.evaluations as u64)) " simulations then."
+                }
+            }
+        }
         (drawn)
     });
 }
 
 /// Everything else: figures and tables that few readers need, and what is needed to repeat the study.
 fn appendix(page: &mut Page, input: &ReportInput) {
-    let (rows, all) = (rows_that_matter(&input.summary, 1), &input.summary.reliability);
     page.begin_appendix();
     studied::appendix(page, input);
-    page.begin("Reliability in detail");
-    let of_system = figures::sensitivities(input).into_iter().filter(|figure| figure.name == SYSTEM);
-    let drawn = page.draw(figures::failure_rates(&input.summary).into_iter().chain(of_system), "two");
-    page.add(html! {
-        (drawn)
-        @if rows.len() < all.len() {
-            (captioned(CHECKPOINTS, "Reliability at all checkpoints, with 95 % intervals", tables::reliability(input, all)))
-        }
-        @for (_, table) in sensitivities(input) { (table) }
-    });
+    let (drawn, none) = (figures::papers(&input.summary), "Too few lives for a probability paper.");
+    page.add_chapter("Lives on probability papers", html! {}, (drawn, "two"), none);
     let (drawn, none) = (figures::distributions(input), "The study stored no distributions.");
     page.add_chapter("Distributions of the outputs", html! {}, (drawn, "two"), none);
-    let is_worn = |joint: &JointSummary| !joint.wear_depth.is_empty();
-    if input.summary.of_mechanism() {
-        wear_and_cycles(page, input);
-    } else if input.nominal.as_ref().is_some_and(|nominal| nominal.joints.iter().any(is_worn)) {
-        worn_surfaces(page, input);
-        page.add(html! { p.none { "Orbits, contact arcs and the forces over a cycle are not known here: the program has them." } });
-    }
-    let drawn = figures::learning(input).into_iter().skip(1).collect();
-    let none = "The study had no rounds of learning.";
-    page.add_chapter("Convergence of the study", html! {}, (drawn, "two"), none);
-    if !input.summary.convergence.rounds.is_empty() {
-        page.add(captioned("rounds", "Rounds of learning", tables::rounds(input)));
-    }
+    wear_and_cycles(page, input);
+    page.begin("Convergence of the study");
+    page.add(html! {
+        @if input.summary.convergence.rounds.is_empty() {
+            p.none { "The study had no rounds of learning." }
+        } @else {
+            (captioned("rounds", "Rounds of learning", tables::rounds(input)))
+        }
+    });
     let stated = levels::sentences(input).join(" ");
-    let none = if stated.is_empty() { "The simulations state no numerical errors." } else { &stated };
-    page.add_chapter("Numerical error", html! { (stated) }, (figures::numerical(input), "three"), none);
-    page.add(levels::tables(&input.summary));
+    page.begin("Numerical error");
+    page.add(html! {
+        p { @if stated.is_empty() { "The simulations state no numerical errors." } @else { (stated) } }
+        (levels::table_of_levels(&input.summary))
+    });
     end::effort(page, input);
     page.add(end::repeat(input));
 }
@@ -184,7 +157,7 @@ fn worn_surfaces(page: &mut Page, input: &ReportInput) {
     let end = input.nominal.as_ref().and_then(|nominal| nominal.cycles.last()).map_or(0, |cycles| *cycles);
     let (lives, no_history) = (figures::lives_in_words(input), input.worn().is_none());
     let lead = html! {
-        "The nominal mechanism after " (count(end.into())) " cycles"
+        "The nominal " (input.subject()) " after " (count(end.into())) " cycles"
         @if no_history {
             "; this campaign stores the bores at the end of life only"
         } @else if !lives.is_empty() {
@@ -193,29 +166,61 @@ fn worn_surfaces(page: &mut Page, input: &ReportInput) {
         ". The inner circle is the unworn bore. Wear is drawn outward from it, magnified, at one scale for all \
          joints; angles are in the frame of the bushing's body."
     };
-    let none = "No bore is worn in a nominal evaluation.";
-    page.add_chapter("Worn bores", lead, (figures::bores(input), "many"), none);
-    page.add(worn_guides(input));
+    let (bores, guides) = (figures::bores(input), worn_guides(input));
+    let title = if bores.is_empty() { "Worn surfaces" } else { "Worn bores" };
+    if bores.is_empty() && !guides.0.is_empty() {
+        page.begin(title);
+    } else {
+        page.add_chapter(title, lead, (bores, "many"), "No surface wears in the nominal evaluation.");
+    }
+    page.add(guides);
 }
 
-/// Adds the bores and orbits of the nominal mechanism, its first and its last cycle.
+/// Adds the bores and orbits of the nominal mechanism, its first and its last cycle; nothing for a simulator that gives whole lives.
 pub fn wear_and_cycles(page: &mut Page, input: &ReportInput) {
+    if !input.has_lives() {
+        return;
+    }
+    let by_program = input.scene.simulator.is_some();
     worn_surfaces(page, input);
-    let lead = html! {
-        "Centre of the journal relative to that of the bushing over a cycle, in the frame of the bushing's body, at \
-         one scale for all joints: "
-        span.first { "first cycle" } ", " span.last { "last cycle" }
-        ". Circle: radial clearance; outer curve: with the wear at the end of life."
-    };
-    let none = "The nominal evaluation does not include the motion of journals and bushings.";
-    page.add_chapter("Journal orbits", lead, (figures::orbits(input), "many"), none);
+    let of_cycles = html! { span.first { "first cycle" } ", " span.last { "last cycle" } };
+    let (orbits, has_hinges) = (figures::orbits(input), input.scene.joints.iter().any(is_hinge));
+    if has_hinges && !(by_program && orbits.is_empty()) {
+        let lead = html! {
+            "Centre of the journal relative to that of the bushing over a cycle, in the frame of the bushing's body, at \
+             one scale for all joints: " (of_cycles)
+            ". Circle: radial clearance; outer curve: with the wear at the end of life."
+        };
+        let none = "The nominal evaluation does not include the motion of journals and bushings.";
+        page.add_chapter("Journal orbits", lead, (orbits, "many"), none);
+    }
+    let forces = figures::journal_forces(input);
+    if !forces.is_empty() {
+        let lead = html! {
+            "Normal force of the journal on the bushing over a cycle, in the frame of the bushing's body, at one scale for all joints: "
+            (of_cycles) "."
+        };
+        page.add_chapter("Journal forces", lead, (forces, "many"), "");
+    }
     let [first, last] = [figures::first_cycle(input), figures::last_cycle(input)];
     let lacks_last = last.is_empty() && !first.is_empty();
     let drawn = ([first, last].concat(), "three");
     page.add_chapter("First and last cycle", html! {}, drawn, "The nominal evaluation has no first cycle.");
-    if lacks_last {
-        page.add(html! { p.none { "The nominal evaluation has no last cycle." } });
-    }
+    page.add(html! {
+        @if by_program {
+            p.none {
+                @if lacks_last { "One cycle of ideal joints stands for the whole life. " }
+                "Not known of the cycles of a program: motion of the bodies, contact arcs and energy balance."
+            }
+        } @else if lacks_last {
+            p.none { "The nominal evaluation has no last cycle." }
+        }
+    });
+}
+
+/// True for a hinge with clearance.
+fn is_hinge(joint: &Joint) -> bool {
+    matches!(joint.kind, JointKind::Clearance(_))
 }
 
 /// The controls of the animation, which its script unhides.

@@ -1,9 +1,9 @@
-//! The worn bores of the nominal mechanism in polar form, over life where the bores were stored, and the orbits of
-//! the journals in them.
+//! The worn bores of the nominal mechanism in polar form, over life where the bores were stored, the orbits of the journals in them, and the
+//! forces of journals that another program gives.
 
 use super::file_name;
 use crate::presentation::report::format::{count, fixed, fixed_with_unit, joined};
-use crate::presentation::report::mechanism::{Pose, eccentricity, poses};
+use crate::presentation::report::mechanism::{eccentricity, poses};
 use crate::presentation::report::polar::{Polar, Stroke, freest, full_scale};
 use crate::presentation::report::{Figure, Ink, ReportInput, csv};
 use crate::results::csv_table::number;
@@ -101,70 +101,113 @@ pub fn lives_in_words(input: &ReportInput) -> String {
 /// Directions in which the extent of the orbit is determined, to place the labels.
 const DIRECTIONS: usize = 36;
 
-/// Name of a joint, its radial clearance [m], radii of its worn bore at equal angles `(control_points,)` [m], and of each cycle its name
-/// (first or last), history, and orbit `(n, 2)` [m].
-type Orbits<'a> = (&'a str, f64, Vec<f64>, Vec<(&'static str, &'a CycleHistory, Vec<[f64; 2]>)>);
+/// Of each cycle its name (first or last), its history, and the path of a vector over it `(n, 2)` [SI].
+type Paths<'a> = Vec<(&'static str, &'a CycleHistory, Vec<[f64; 2]>)>;
 
-/// One polar figure per joint with clearance whose motion the nominal evaluation includes, all at one scale.
+/// Name of a joint, its radial clearance [m], radii of its worn bore at equal angles `(control_points,)` [m], and the orbits of its journal [m].
+type Orbits<'a> = (&'a str, f64, Vec<f64>, Paths<'a>);
+
+/// First and last cycle of the nominal evaluation, as far as they are known.
+fn cycles(input: &ReportInput) -> impl Iterator<Item = (&'static str, &CycleHistory)> {
+    let cycles = [("first", input.first_cycle()), ("last", input.last_cycle())];
+    cycles.into_iter().filter_map(|(name, cycle)| Some((name, cycle?)))
+}
+
+/// One polar figure per joint with clearance whose orbits the nominal evaluation includes, all at one scale.
 pub fn orbits(input: &ReportInput) -> Vec<Figure> {
     let Some(nominal) = &input.nominal else { return vec![] };
-    let cycles = [("first", input.first_cycle()), ("last", input.last_cycle())];
-    let with_poses = |(name, cycle): (&'static str, Option<_>)| {
-        let poses = poses(&input.scene, cycle?).filter(|poses| !poses.is_empty())?;
-        Some((name, cycle?, poses))
-    };
-    let known: Vec<_> = cycles.into_iter().filter_map(with_poses).collect();
+    let known: Vec<_> =
+        cycles(input).map(|(name, cycle)| (name, cycle, poses(&input.scene, cycle))).collect();
     let orbits = input.scene.joints.iter().enumerate().filter_map(|(index, joint)| {
         let JointKind::Clearance(clearance) = &joint.kind else { return None };
-        let orbit = |poses: &Vec<Vec<Pose>>| poses.iter().map(|poses| eccentricity(poses, joint)).collect();
-        let cycles = known.iter().map(|(name, cycle, poses)| (*name, *cycle, orbit(poses))).collect();
+        let orbits = known.iter().filter_map(|(name, cycle, poses)| {
+            let orbit: Vec<[f64; 2]> = match poses {
+                Some(poses) => poses.iter().map(|poses| eccentricity(poses, joint)).collect(),
+                None => cycle.journal(&joint.name)?.eccentricity.clone(),
+            };
+            (!orbit.is_empty()).then_some((*name, *cycle, orbit))
+        });
+        let paths: Paths<'_> = orbits.collect();
         let wear = nominal.joints.get(index).map_or(&[][..], |joint| &joint.wear_depth);
         let clearance = clearance.radial_clearance();
         let worn = wear.iter().map(|depth| clearance + depth).collect();
-        Some((joint.name.as_str(), clearance, worn, cycles))
+        (!paths.is_empty()).then_some((joint.name.as_str(), clearance, worn, paths))
     });
-    let all: Vec<Orbits<'_>> = if known.is_empty() { vec![] } else { orbits.collect() };
-    let reach = |(_, clearance, worn, cycles): &Orbits<'_>| {
-        let far = cycles.iter().flat_map(|(.., orbit)| orbit).map(|e| e[0].hypot(e[1]));
-        far.chain(worn.iter().copied()).fold(*clearance, f64::max)
+    let all: Vec<Orbits<'_>> = orbits.collect();
+    let reach = |(_, clearance, worn, paths): &Orbits<'_>| {
+        paths.iter().map(farthest).chain(worn.iter().copied()).fold(*clearance, f64::max)
     };
     let depth = input.scene.units.of(OutputUnit::Length);
     let full = full_scale(&depth, all.iter().map(reach).fold(0.0, f64::max));
-    all.iter().map(|orbits| orbit(orbits, full, &depth)).collect()
+    let orbit = |(name, clearance, worn, paths): &Orbits<'_>| {
+        let mut polar = Polar::new(0.0, full);
+        polar.circle(*clearance, Stroke { ink: Ink::Muted, width: 1.4, opacity: 1.0 });
+        polar.closed(worn, Stroke { ink: Ink::Muted, width: 1.4, opacity: 0.6 });
+        let before = format!(
+            "Radial clearance {}; largest eccentricity: ",
+            fixed_with_unit(&depth, *clearance, 1)
+        );
+        let texts = ["orbit", "Orbit of journal", &before];
+        of_paths(texts, name, (polar, *clearance), paths, (&depth, "um", 1e6))
+    };
+    all.iter().map(orbit).collect()
 }
 
-fn orbit((name, clearance, worn, cycles): &Orbits<'_>, full: f64, unit: &OutputUnit) -> Figure {
-    let mut polar = Polar::new(0.0, full);
-    polar.circle(*clearance, Stroke { ink: Ink::Muted, width: 1.4, opacity: 1.0 });
-    polar.closed(worn, Stroke { ink: Ink::Muted, width: 1.4, opacity: 0.6 });
-    let mut reached = vec![*clearance; DIRECTIONS];
-    for (cycle, _, orbit) in cycles {
+/// One polar figure per journal whose force another program gives, all at one scale.
+pub fn journal_forces(input: &ReportInput) -> Vec<Figure> {
+    let of_joint = |joint| {
+        let paths = cycles(input);
+        let paths = paths.filter_map(|(name, cycle)| Some((name, cycle, cycle.journal(joint)?.force.clone())));
+        let paths: Paths<'_> = paths.collect();
+        (!paths.is_empty()).then_some((joint, paths))
+    };
+    let names = input.scene.joints.iter().map(|joint| joint.name.as_str());
+    let all: Vec<_> = names.filter_map(of_joint).collect();
+    let force = input.scene.units.of(OutputUnit::Force);
+    let full = full_scale(&force, all.iter().flat_map(|(_, paths)| paths).map(farthest).fold(0.0, f64::max));
+    let texts = ["journal-force", "Force of journal", "Largest force: "];
+    let figure = |(name, paths): &(&str, Paths<'_>)| {
+        of_paths(texts, name, (Polar::new(0.0, full), 0.0), paths, (&force, "N", 1.0))
+    };
+    all.iter().map(figure).collect()
+}
+
+/// Largest size of the vector of a path [SI].
+fn farthest((.., path): &(&str, &CycleHistory, Vec<[f64; 2]>)) -> f64 {
+    path.iter().map(|[x, y]| x.hypot(*y)).fold(0.0, f64::max)
+}
+
+/// The paths of the journal of a joint on the rings of `polar`, which are taken up to `least` in every direction; `[name, title, caption]` are
+/// what they begin with, and values are shown in a unit, in the file in that of a symbol and a factor.
+fn of_paths(
+    [name, title, caption]: [&str; 3],
+    joint: &str,
+    (mut polar, least): (Polar, f64),
+    paths: &Paths<'_>,
+    (unit, symbol, factor): (&OutputUnit, &str, f64),
+) -> Figure {
+    let mut reached = vec![least; DIRECTIONS];
+    for (cycle, _, path) in paths {
         let ink = Ink::Series(usize::from(*cycle == "last"));
-        polar.curve(orbit, Stroke { ink, width: 3.0, opacity: 1.0 });
-        for [x, y] in orbit.iter().filter(|[x, y]| x.is_finite() && y.is_finite()) {
+        polar.curve(path, Stroke { ink, width: 3.0, opacity: 1.0 });
+        for [x, y] in path.iter().filter(|[x, y]| x.is_finite() && y.is_finite()) {
             let turn = y.atan2(*x).rem_euclid(std::f64::consts::TAU) / std::f64::consts::TAU;
             let farthest = &mut reached[(turn * DIRECTIONS as f64) as usize % DIRECTIONS];
             *farthest = farthest.max(x.hypot(*y));
         }
     }
-    let shown = |length: f64| fixed_with_unit(unit, length, 1);
-    let farthest = cycles.iter().map(|(cycle, _, orbit)| {
-        let far = orbit.iter().map(|e| e[0].hypot(e[1])).fold(0.0, f64::max);
-        format!("{cycle} cycle {}", shown(far))
-    });
-    let far = joined(farthest, ", ");
-    let caption = format!("Radial clearance {}; largest eccentricity: {far}.", shown(*clearance));
-    let rows = cycles.iter().flat_map(|(cycle, history, orbit)| {
-        history.time.iter().zip(orbit).map(move |(time, [x, y])| {
-            vec![cycle.to_string(), number(1e3 * time), number(1e6 * x), number(1e6 * y)]
+    let largest = |path: &(&str, _, _)| format!("{} cycle {}", path.0, fixed_with_unit(unit, farthest(path), 1));
+    let rows = paths.iter().flat_map(|(cycle, history, path)| {
+        history.time.iter().zip(path).map(move |(time, [x, y])| {
+            vec![cycle.to_string(), number(1e3 * time), number(factor * x), number(factor * y)]
         })
     });
     Figure {
-        name: format!("orbit-{}", file_name(name)),
-        title: format!("Orbit of journal {name}"),
-        caption,
-        drawing: polar.finish(&format!("joint {name}"), freest(&reached), unit),
-        csv: csv(&["cycle", "time [ms]", "x [um]", "y [um]"], rows),
+        name: format!("{name}-{}", file_name(joint)),
+        title: format!("{title} {joint}"),
+        caption: format!("{caption}{}.", joined(paths.iter().map(largest), ", ")),
+        drawing: polar.finish(&format!("joint {joint}"), freest(&reached), unit),
+        csv: csv(&["cycle", "time [ms]", &format!("x [{symbol}]"), &format!("y [{symbol}]")], rows),
     }
 }
 

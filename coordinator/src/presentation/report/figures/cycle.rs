@@ -28,7 +28,13 @@ pub fn first_cycle(input: &ReportInput) -> Vec<Figure> {
         let [low, high] = [low, high].map(|value| angle.after(&fixed(value, 3)).replace(" deg", "°"));
         format!("{}: {low} to {high}", body.label)
     });
-    let extremes = format!("{}.", joined(extremes, "; "));
+    let by_program = input.scene.simulator.is_some();
+    let [state, of] = if by_program {
+        ["Unworn surfaces, as the program gives it.", "Journal's body relative to the bushing's, by joint: "]
+    } else {
+        ["Unworn nominal mechanism, settled.", ""]
+    };
+    let extremes = format!("{of}{}.", joined(extremes, "; "));
     let traces = |(values, ..): &BodyQuantity, unit: &OutputUnit| -> Traces {
         let trace = |body: &BodyTrace| (body.label.clone(), trace(cycle, values(body), unit));
         cycle.bodies.iter().map(trace).collect()
@@ -38,9 +44,9 @@ pub fn first_cycle(input: &ReportInput) -> Vec<Figure> {
     let of_speeds = ["angular-velocities", "Angular velocities of the first cycle", &axis(&speed, SPEED.2)];
     let force = units.of(OutputUnit::Force);
     let figures = [
-        forces(cycle, &force, ["joint-forces", title, "Unworn nominal mechanism, settled."]),
+        forces(cycle, &force, ["joint-forces", title, state]),
         over_time(cycle, of_angles, traces(&ANGLE, &angle), &extremes),
-        over_time(cycle, of_speeds, traces(&SPEED, &speed), "Of the bodies above, with the same signs."),
+        over_time(cycle, of_speeds, traces(&SPEED, &speed), "As the angles above, with the same signs."),
     ];
     figures.into_iter().flatten().collect()
 }
@@ -77,7 +83,7 @@ pub fn last_cycle(input: &ReportInput) -> Vec<Figure> {
         over_time(first, [name, title, label], traces, &super::capital(&caption))
     };
     let (title, state) =
-        ("Joint forces of the last cycle", "Nominal mechanism, bores worn to the end of life.");
+        ("Joint forces of the last cycle", "Surfaces worn to the end of life.");
     let forces = forces(last, &input.scene.units.of(OutputUnit::Force), ["joint-forces-worn", title, state]);
     input.scene.outputs.iter().filter_map(of_output).chain(forces).collect()
 }
@@ -101,7 +107,7 @@ fn forces(cycle: &CycleHistory, unit: &OutputUnit, [name, title, state]: [&str; 
 
 /// Values over the time [ms] of a cycle in the unit shown.
 fn trace(cycle: &CycleHistory, values: &[f64], unit: &OutputUnit) -> Points {
-    thinned(cycle.time.iter().zip(values).map(|(t, v)| (t * 1e3, unit.to_shown(*v))).collect())
+    cycle.time.iter().zip(values).map(|(t, v)| (t * 1e3, unit.to_shown(*v))).collect()
 }
 
 /// Curves over the time of a cycle; `[name, title, label of the vertical axis]`.
@@ -126,27 +132,6 @@ fn over_time(
     let x = Axis::linear("time [ms]", (time[0] * 1e3, time[time.len() - 1] * 1e3));
     let y = Axis::linear(label, (if low >= 0.0 { 0.0 } else { low - margin }, high + margin));
     Some(Plot { figure: name, x, y, series: &series }.figure(title, caption))
-}
-
-/// Number of buckets to which a dense trace is thinned: more than the width of a figure in pixels.
-const BUCKETS: usize = 700;
-
-/// A trace reduced to the lowest and the highest point of every bucket, which keeps all peaks; traces of few points are
-/// unchanged.
-fn thinned(points: Points) -> Points {
-    let size = points.len().div_ceil(BUCKETS);
-    if size <= 2 {
-        return points;
-    }
-    let mut kept = Vec::with_capacity(2 * BUCKETS + 2);
-    for bucket in points.chunks(size) {
-        let by_value = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
-        let ends = [bucket.iter().min_by(by_value), bucket.iter().max_by(by_value)];
-        let mut ends: Vec<_> = ends.into_iter().flatten().copied().collect();
-        ends.sort_by(|a, b| a.0.total_cmp(&b.0));
-        kept.extend(ends);
-    }
-    kept
 }
 
 /// Loads that vary by curves over a cycle.
@@ -224,16 +209,6 @@ impl VaryingLoads {
 mod tests {
     use super::*;
     use common::scene::SceneSource;
-
-    #[test]
-    fn a_dense_trace_keeps_its_peaks() {
-        let mut points: Vec<_> = (0..100_000).map(|k| (f64::from(k), 1.0)).collect();
-        points[54_321].1 = 9.0;
-        points[54_322].1 = -9.0;
-        let kept = thinned(points);
-        assert!(kept.len() <= 2 * BUCKETS && kept.is_sorted_by(|a, b| a.0 <= b.0));
-        assert_eq!(range(kept.iter().map(|p| p.1)), (-9.0, 9.0));
-    }
 
     #[test]
     fn a_table_over_the_crank_is_shown_at_the_angles_at_which_it_acts() {

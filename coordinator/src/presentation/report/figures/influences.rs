@@ -28,7 +28,7 @@ fn finite(value: f64) -> f64 {
 }
 
 /// The rows of one limit state at the checkpoint nearest to the governing one where derivatives are known, longest bar first.
-pub fn rows_at_governing<'a>(input: &'a ReportInput, limit_state: &str) -> Vec<&'a SensitivityRow> {
+fn rows_at_governing<'a>(input: &'a ReportInput, limit_state: &str) -> Vec<&'a SensitivityRow> {
     let all = input.summary.sensitivity.iter().filter(|row| row.limit_state == limit_state);
     let known = all.clone().filter(|row| row.is_known()).map(|row| row.cycles);
     let Some(cycles) = nearest_to_governing(input, known) else { return vec![] };
@@ -55,12 +55,11 @@ pub fn by_influence(input: &ReportInput) -> Vec<usize> {
 
 /// One figure per limit state with derivatives of its failure probability.
 pub fn sensitivities(input: &ReportInput) -> Vec<Figure> {
-    let figure = |name: &str| {
+    let figure = |name: &String| {
         let rows = rows_at_governing(input, name);
         let first = rows.first()?;
-        let cause = if name == "total" { "any limit state" } else { name };
         let caption = format!(
-            "Derivatives of the probability of failure by {cause} at {} by the mean and the standard deviation of a variable, times \
+            "Derivatives of the probability of failure by {name} at {} by the mean and the standard deviation of a variable, times \
              its standard deviation: to first order the change for an increase by one, with the bounds of bounded variables held; \
              positive: more failures. Thin lines: 1.96 standard errors of sampling alone. The {} largest of {}.",
             number_of_cycles(first.cycles),
@@ -75,9 +74,9 @@ pub fn sensitivities(input: &ReportInput) -> Vec<Figure> {
         let (figure, all) = (&format!("sensitivity-{}", file_name(name)), rows.iter().map(pair).collect());
         let (labels, axis) = (["mean", "std"], "derivative of failure probability, times std");
         let bars = Bars { figure, labels, axis, signed: true, all, shown: SHOWN };
-        Some(bars.figure(&format!("Sensitivity of failure by {cause}"), &caption))
+        Some(bars.figure(&format!("Sensitivity of failure by {name}"), &caption))
     };
-    input.summary.curve_names().filter_map(figure).collect()
+    input.summary.limit_states.iter().filter_map(figure).collect()
 }
 
 /// One figure per limit state with Sobol indices of its output.

@@ -1,56 +1,30 @@
-//! Figures of the rounds of learning, of the predictions of the surrogates, and of the numerical error.
+//! Figures of the rounds of learning, of the predictions of the surrogates, and of the parts of the interval.
 
 use super::{LifeAxis, capital, file_name, ink_of, range, rows_that_matter, span, stacked};
 use crate::presentation::report::format::{count, exactly_with_unit, fixed, percent};
 use crate::presentation::report::levels::{PARTS, half_widths};
-use crate::presentation::report::{
-    Axis, Figure, Ink, Plot, Points, ReportInput, Scale, Series, Shape, StatedAt, tick_label,
-};
+use crate::presentation::report::{Axis, Figure, Ink, Plot, Points, ReportInput, Series, Shape};
 use crate::results::summary::{Round, StudySummary};
 use crate::results::summary_rows::PredictionRow;
 use crate::statistics::reliability::REACH;
 use common::scene::{Fails, LimitState};
 
-/// Smallest share on the logarithmic axis [1]; smaller ones are drawn there.
-const SMALLEST_SHARE: f64 = 1e-5;
-
-/// Convergence over the rounds: reliability, and remaining uncertainty.
-pub fn learning(input: &ReportInput) -> Vec<Figure> {
+/// Convergence of the reliability over the rounds.
+pub fn learning(input: &ReportInput) -> Option<Figure> {
     let rounds = &input.summary.convergence.rounds;
-    let (Some(first), Some(last)) = (rounds.first(), rounds.last()) else { return vec![] };
-    let x = Axis::linear("evaluations", (first.evaluations as f64, last.evaluations as f64));
-    vec![reliability(rounds, last, x, &format!("R of the {}", input.subject())), uncertainty(rounds, last, x)]
-}
-
-/// A quantity of every round over its number of evaluations, where it is known.
-fn over(rounds: &[Round], value: impl Fn(&Round) -> Option<f64>) -> Points {
-    rounds.iter().filter_map(|round| Some((round.evaluations as f64, value(round)?))).collect()
-}
-
-fn reliability(rounds: &[Round], last: &Round, x: Axis<'_>, label: &str) -> Figure {
-    let reliability = over(rounds, |round| Some(round.reliability_total));
+    let (first, last) = (rounds.first()?, rounds.last()?);
+    let point = |round: &Round| (round.evaluations as f64, round.reliability_total);
+    let reliability: Points = rounds.iter().map(point).collect();
     let (low, high) = range(reliability.iter().map(|point| point.1));
     let margin = (0.15 * (high - low)).max(0.01);
-    let y = Axis::linear(label, ((low - margin).max(0.0), (high + margin).min(1.0)));
+    let label = format!("R of the {}", input.subject());
+    let x = Axis::linear("evaluations", (first.evaluations as f64, last.evaluations as f64));
+    let y = Axis::linear(&label, ((low - margin).max(0.0), (high + margin).min(1.0)));
     let series = &[Series::unlisted("R", Ink::Ink, Shape::Dotted(reliability))];
     let caption =
         format!("At the checkpoint where R is nearest 1/2: at the end {} cycles.", count(last.cycles.into()));
-    Plot { figure: "learning-reliability", x, y, series }.figure("R at the governing checkpoint", &caption)
-}
-
-fn uncertainty(rounds: &[Round], last: &Round, x: Axis<'_>) -> Figure {
-    let log = |share: f64| (100.0 * share.max(SMALLEST_SHARE)).log10();
-    let uncertain = over(rounds, |round| Some(log(round.share_uncertain)));
-    let error = over(rounds, |round| Some(log(round.surrogate_error)));
-    let change = over(rounds, |round| round.change_of_r.map(|change| log(change.abs())));
-    let linear = Axis::linear("share [%]", (log(SMALLEST_SHARE), log(1.0)));
-    let y = Axis { text: |power| tick_label(10f64.powf(power)), scale: Scale::Logarithm, ..linear };
-    let series =
-        [("uncertain share (U < 2)", uncertain), ("surrogate error", error), ("change of R", change)];
-    let line = |(k, (name, points))| Series::new(name, Ink::Series(k), Shape::Dotted(points));
-    let series: Vec<Series> = series.into_iter().enumerate().map(line).collect();
-    let caption = format!("At the end {} of the population is uncertain.", percent(last.share_uncertain));
-    Plot { figure: "learning-shares", x, y, series: &series }.figure("Remaining uncertainty", &caption)
+    let plot = Plot { figure: "learning-reliability", x, y, series };
+    Some(plot.figure("R at the governing checkpoint", &caption))
 }
 
 /// One figure per limit state; none for a study without surrogates, or by an earlier version.
@@ -136,38 +110,6 @@ pub fn parts_of_interval(summary: &StudySummary) -> Option<Figure> {
     let y = Axis::linear("half width of the 95 % interval of R", (0.0, 1.05 * top.max(1e-6)));
     let caption = "The half width of R of the system, divided by the shares of samples, surrogates and numerical error in its square.";
     Some(Plot { figure: "parts-of-interval", x, y, series: &series }.figure("Parts of the interval", caption))
-}
-
-/// Size of the stated errors over life, per limit state.
-pub fn numerical(input: &ReportInput) -> Vec<Figure> {
-    if input.summary.is_static() {
-        return vec![];
-    }
-    let axis = LifeAxis::new(&input.summary);
-    let figure = |state: &LimitState| {
-        let stated = input.stated.get(state.output)?;
-        let last = stated.last()?;
-        let of_limit = |error: f64| 100.0 * error.abs() / state.scale();
-        let line = |error: fn(&StatedAt) -> f64| -> Points {
-            stated.iter().map(|row| (axis.place(row.cycles), of_limit(error(row)))).collect()
-        };
-        let (typical, largest) = (line(|row| row.typical), line(|row| row.largest));
-        let top = largest.iter().map(|p| p.1).filter(|y| y.is_finite()).fold(0.0, f64::max);
-        let series = [
-            Series::new("typical (median)", ink_of(&input.summary, &state.name), Shape::Line(typical)),
-            Series::new("largest", Ink::Ink, Shape::Dashed(largest)),
-        ];
-        let name = format!("stated-error-{}", file_name(&state.name));
-        let output = input.output_of(state);
-        let x = Axis::linear(axis.label, (0.0, axis.place(last.cycles)));
-        let y = Axis::linear("stated error [% of the limit]", (0.0, if top > 0.0 { 1.1 * top } else { 1.0 }));
-        let plot = Plot { figure: &name, x, y, series: &series };
-        let caption = "Median and maximum over all simulations of the study, as a share of the limit state's threshold, or of half the distance \
-                       between two.";
-        Some(plot.figure(&capital(&format!("stated error of {output}")), caption))
-    };
-    // Relative to a limit of zero an error has no size.
-    input.scene.limit_states.iter().filter(|state| state.scale() != 0.0).filter_map(figure).collect()
 }
 
 #[cfg(test)]

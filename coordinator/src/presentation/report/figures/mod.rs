@@ -5,15 +5,15 @@ mod cycle;
 mod influences;
 mod learning;
 mod outputs;
-mod rates;
+mod papers;
 mod reliability;
 
-pub use bores::{bores, lives_in_words, orbits};
+pub use bores::{bores, journal_forces, lives_in_words, orbits};
 pub use cycle::{VaryingLoads, first_cycle, last_cycle};
-pub use influences::{parallel_coordinates, rows_at_governing, sensitivities, variance_contributions};
-pub use learning::{learning, numerical, parts_of_interval, predicted_against_simulated};
+pub use influences::{parallel_coordinates, sensitivities, variance_contributions};
+pub use learning::{learning, parts_of_interval, predicted_against_simulated};
 pub use outputs::{distributions, histories};
-pub use rates::failure_rates;
+pub use papers::papers;
 pub use reliability::{
     ComparedStudy, beginning, compared, curve, first_failure, reliability, shares_of_failures,
 };

@@ -1,8 +1,8 @@
 //! Figures of the failures over life: R with its bands, the shares of first failures, and R of several studies.
 
 use super::{LifeAxis, file_name, ink_of, span, stacked};
-use crate::presentation::report::format::{joined, number_of_cycles, percent};
-use crate::presentation::report::life::{governing, rows_that_matter};
+use crate::presentation::report::format::{joined, percent};
+use crate::presentation::report::life::rows_that_matter;
 use crate::presentation::report::{Axis, Band, Figure, Ink, Plot, Points, ReportInput, Series, Shape};
 use crate::results::life_summary::LifeCurveRow;
 use crate::results::summary::{ReliabilityRow, StudySummary};
@@ -106,15 +106,10 @@ pub fn first_failure(input: &ReportInput) -> Option<Figure> {
     let series = stacked(&places, layers);
     let x = Axis::linear(axis.label, span(summary, &axis));
     let y = Axis::linear("share that has failed", (0.0, 1.0));
-    let shares =
-        governing(summary).and_then(|row| Some((row.cycles, shares_of_failures(summary, row.cycles)?)));
     let caption = format!(
         "Stacked shares: limit state by which each {} failed first. Several at once: at the same interpolated time, or \
-         between two checkpoints that do not resolve it.{}",
-        summary.subject(),
-        shares.map_or(String::new(), |(cycles, shares)| {
-            format!(" First causes of the failures up to {}: {shares}.", number_of_cycles(cycles))
-        })
+         between two checkpoints that do not resolve it.",
+        summary.subject()
     );
     Some(Plot { figure: "first-failure", x, y, series: &series }.figure("What fails first", &caption))
 }
@@ -163,7 +158,7 @@ pub fn compared(studies: &[ComparedStudy]) -> Vec<Figure> {
         }
         let by = format!("No failure by {name}");
         let title = if name == "total" { "No failure of any kind" } else { &by };
-        let caption = "Bands: 95 % interval of sampling, surrogate and interpolation between the checkpoints, without numerical errors.";
+        let caption = "Bands: 95 % interval of sampling, surrogate, interpolation and numerical error.";
         let (figure, series) = (&format!("reliability-{}", file_name(name)), &[bands, lines].concat());
         let x = Axis::linear(axis.label, (axis.place(from), axis.place(to)));
         Plot::of_reliability(figure, x, series).figure(title, caption)

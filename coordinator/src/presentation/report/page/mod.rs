@@ -246,6 +246,11 @@ pub fn captioned(name: &str, title: &str, table: Markup) -> Markup {
     }
 }
 
+/// A table beside a drawing, if there is one.
+pub fn beside(drawn: &Markup, table: Markup) -> Markup {
+    html! { @if drawn.0.is_empty() { (table) } @else { div.beside { (drawn) (table) } } }
+}
+
 /// Content that unfolds on a click.
 pub fn details(title: &str, content: Markup) -> Markup {
     html! { details { summary { (title) } (content) } }

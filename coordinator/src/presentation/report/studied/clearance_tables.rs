@@ -10,6 +10,11 @@ use common::scene::{
 };
 use maud::{Markup, html};
 
+/// What the built-in mechanics have of a joint, which is not known of a program.
+fn own(scene: &Scene, text: String) -> String {
+    if scene.simulator.is_none() { text } else { UNKNOWN.to_owned() }
+}
+
 /// Guides with clearance, with what is modelled of them; nothing without any.
 pub(super) fn guides(scene: &Scene, written: &WrittenScene) -> Markup {
     let rows = scene.joints.iter().filter_map(|joint| {
@@ -26,9 +31,9 @@ pub(super) fn guides(scene: &Scene, written: &WrittenScene) -> Markup {
             ("width", length("width", guide.width)),
             ("clearance", length("clearance", guide.clearance)),
             ("from end to end", format!("{} to {}", length("guide_start", start), length("guide_end", end))),
-            ("friction", texts.number("friction", guide.friction)),
-            ("friction speed", texts.value("friction_speed", guide.friction_speed, "mm/s")),
-            ("damping of the contact", damping(&guide.contact_damping, &texts)),
+            ("friction", own(scene, texts.number("friction", guide.friction))),
+            ("friction speed", own(scene, texts.value("friction_speed", guide.friction_speed, "mm/s"))),
+            ("damping of the contact", own(scene, damping(&guide.contact_damping, &texts))),
         ])
     });
     let title = "Guides with clearance: length and height of the slider, width of the contact, clearance on each side; ends of the guide from its \
@@ -91,7 +96,8 @@ pub(super) fn hinges(scene: &Scene, written: &WrittenScene) -> Markup {
             ControlPoints::Number(number) => number.to_string(),
             ControlPoints::ByArc => "by the contact arc".to_owned(),
         };
-        let (law, damping) = (clearance.contact_law.word(), damping(&clearance.contact_damping, &texts));
+        let law = clearance.contact_law.word();
+        let damping = own(scene, damping(&clearance.contact_damping, &texts));
         Some([
             ("hinge", joint.name.clone()),
             ("journal radius", length("journal_radius", clearance.journal_radius)),
@@ -99,9 +105,9 @@ pub(super) fn hinges(scene: &Scene, written: &WrittenScene) -> Markup {
             ("bushing radius", radius),
             ("width", length("width", clearance.width)),
             ("wear coefficient", wear),
-            ("friction", texts.number("friction", clearance.friction)),
-            ("friction speed", texts.value("friction_speed", clearance.friction_speed, "mm/s")),
-            ("film damping", texts.value("film_damping", clearance.film_damping, "N s/m")),
+            ("friction", own(scene, texts.number("friction", clearance.friction))),
+            ("friction speed", own(scene, texts.value("friction_speed", clearance.friction_speed, "mm/s"))),
+            ("film damping", own(scene, texts.value("film_damping", clearance.film_damping, "N s/m"))),
             ("control points", control_points),
             ("law and damping of the contact", format!("{law}; {damping}{wall}")),
         ])

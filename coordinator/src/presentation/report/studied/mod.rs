@@ -15,7 +15,7 @@ mod variable_tables;
 
 use super::drawing::{self, DrawnMechanism, SHARE_OF_CYCLE};
 use super::mechanism::poses;
-use super::page::{mark, refer_table};
+use super::page::{beside, mark, refer_table};
 use super::tables;
 use super::{Figure, Page, ReportInput, VaryingLoads, WrittenScene, captioned};
 use crate::results::scene_summary::limit_rows;
@@ -54,10 +54,11 @@ pub fn chapter(input: &ReportInput, drawn: &Markup) -> Markup {
                 (refer_table("formulas")) "."
             }
         }
-        (drawn)
+        (beside(drawn, variable_tables::study_settings(scene, &input.summary, &input.meta.settings)))
         @if let Some(simulator) = &scene.simulator {
             p {
-                "Responses are computed by an external simulator, "
+                @if simulator.cycles.is_some() { "The wear is computed by this program around the cycles of " }
+                @else { "Responses are computed by an external simulator, " }
                 @match &simulator.kind {
                     SimulatorKind::Program(program) => { "the program " code { (program.command.join(" ")) } }
                     SimulatorKind::UmBridge(model) => { "the model " (model.model) " of the server " code { (model.url) } }
@@ -71,9 +72,8 @@ pub fn chapter(input: &ReportInput, drawn: &Markup) -> Markup {
             (variable_tables::variables(scene, &input.summary))
         }
         (variable_tables::limits(scene, &input.summary.limits, &input.written))
-        (variable_tables::study_settings(scene, &input.summary, &input.meta.settings))
         h3 { "Assumptions and limits of the model" }
-        ul { @for sentence in assumptions(input) { li { (sentence) } } }
+        ul { @for assumption in assumptions(input) { li { (assumption) } } }
     }
 }
 
@@ -81,24 +81,25 @@ pub fn chapter(input: &ReportInput, drawn: &Markup) -> Markup {
 pub fn mechanism(scene: &Scene, source: &str) -> Markup {
     let written = WrittenScene::new(source);
     html! {
-        @if scene.simulator.is_none() {
-            (elements(scene, &written))
-        }
+        (elements(scene, &written))
         (variable_tables::limits(scene, &limit_rows(scene), &written))
     }
 }
 
-/// Bodies, joints and loads of a mechanism.
+/// Bodies, joints and loads of a mechanism; for a simulator that gives cycles its joints.
 fn elements(scene: &Scene, written: &WrittenScene) -> Markup {
+    let is_mechanism = scene.simulator.is_none();
     let tables = html! {
-        (mechanism_tables::bodies(scene, written))
-        (mechanism_tables::starts(scene, written))
-        (mechanism_tables::joints(scene, written))
+        @if is_mechanism {
+            (mechanism_tables::bodies(scene, written))
+            (mechanism_tables::starts(scene, written))
+            (mechanism_tables::joints(scene, written))
+        }
         (clearance_tables::hinges(scene, written))
         (clearance_tables::materials(scene, written))
         (clearance_tables::guides(scene, written))
         (clearance_tables::guide_wear(scene, written))
-        (mechanism_tables::loads(scene, written))
+        @if is_mechanism { (mechanism_tables::loads(scene, written)) }
     };
     // Their heads name usual units.
     PreEscaped(written.units.head(&tables.into_string()))
@@ -109,7 +110,7 @@ pub fn appendix(page: &mut Page, input: &ReportInput) {
     page.begin("Inputs in full");
     let loads = page.draw(loads(input), "two");
     page.add(html! {
-        @if input.scene.simulator.is_none() { (elements(&input.scene, &input.written)) }
+        (elements(&input.scene, &input.written))
         (loads)
         @if input.scene.variables.len() > VARIABLES_IN_CHAPTER {
             (variable_tables::variables(&input.scene, &input.summary))
@@ -121,7 +122,7 @@ pub fn appendix(page: &mut Page, input: &ReportInput) {
 /// What the model does not contain.
 fn assumptions(input: &ReportInput) -> Vec<String> {
     let scene = &input.scene;
-    let mut text = if scene.simulator.is_none() { of_mechanism(scene) } else { vec![] };
+    let mut text = of_mechanism(scene);
     let variables = if scene.correlations.is_empty() {
         "Random variables are independent and constant over life."
     } else {
@@ -142,9 +143,12 @@ fn assumptions(input: &ReportInput) -> Vec<String> {
     text
 }
 
-/// What the model of a mechanism does not contain.
+/// What the model of a mechanism, or of the wear around a program, does not contain.
 fn of_mechanism(scene: &Scene) -> Vec<String> {
-    let mut text = vec!["The mechanism is planar and its bodies are rigid.".to_owned()];
+    let mut text = match &scene.simulator {
+        None => vec!["The mechanism is planar and its bodies are rigid.".to_owned()],
+        Some(simulator) => simulator.cycles.iter().map(|of| format!("The program {}.", of.tier.explanation())).collect(),
+    };
     let mut clearances = Vec::new();
     let mut has_worn_guides = false;
     for joint in &scene.joints {
