@@ -41,8 +41,7 @@ pub struct SceneSource {
 }
 
 /// Keys of joints that belong to a program which gives cycles.
-const KEYS_OF_PROGRAM: &str =
-    "axis angle friction friction_speed film_damping contact_damping.hunt_crossley contact_damping.restitution";
+const KEYS_OF_PROGRAM: &str = "axis angle friction friction_speed film_damping contact_damping.hunt_crossley contact_damping.restitution";
 
 impl SceneSource {
     /// Names of the built-in scenes.
@@ -185,7 +184,8 @@ impl SceneSource {
     /// Keys of joints in whose place a program that gives cycles has its own.
     fn keys_of_program(&self) -> Vec<Warning> {
         let joints = self.nominal.joints.iter().filter(|_| self.nominal.simulator.is_some());
-        let keys = joints.flat_map(|joint| KEYS_OF_PROGRAM.split(' ').map(|key| format!("joints.{}.{key}", joint.name)));
+        let keys = joints
+            .flat_map(|joint| KEYS_OF_PROGRAM.split(' ').map(|key| format!("joints.{}.{key}", joint.name)));
         let message =
             "has no effect: the program has its own; let a random variable without `changes` reach it";
         keys.filter(|key| self.quantities.contains_key(key)).map(|key| Warning::new(key, message)).collect()
