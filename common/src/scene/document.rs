@@ -27,12 +27,21 @@ fn syntax(location: Location, message: String) -> Fault {
     Fault { location: Some(Box::new(location)), ..Fault::new(file, "", kind) }
 }
 
-/// What was meant, if a number stands before the fault: a decimal comma, or a unit outside of quotes.
+/// What was meant by other signs than those of TOML, or if a number stands before the fault: a decimal comma, a unit outside of quotes, or
+/// separators of thousands.
 fn advice(location: &Location) -> Option<String> {
     let at = location.text.char_indices().nth(location.column - 1).map_or(location.text.len(), |(at, _)| at);
     let (before, after) = location.text.split_at(at);
     if after.starts_with(['\u{201c}', '\u{201d}', '\u{201e}', '\u{2018}', '\u{2019}']) {
         return Some("use straight quotes: \"".to_owned());
+    }
+    let written = |key: &str| !key.trim().is_empty() && !key.contains(['=', '"', '[', '#']);
+    if let Some(value) = after.strip_prefix(':').filter(|_| written(before)) {
+        return Some(format!("write {} = {}", before.trim(), value.trim()));
+    }
+    if let Some((rest, value)) = after.split_once('=').filter(|_| written(before)) {
+        let key = format!("{before}{rest}");
+        return Some(format!("a key has no spaces: {} ={value}", key.trim().replace(' ', "_")));
     }
     // The place is that of the whole value, or of what follows the number.
     let is_part = |c: char| c.is_ascii_digit() || "+-.".contains(c);
@@ -44,6 +53,16 @@ fn advice(location: &Location) -> Option<String> {
     let decimals = rest.strip_prefix(',').filter(|rest| rest.starts_with(|c: char| c.is_ascii_digit()));
     if let Some(decimals) = decimals {
         return Some(instead_of_comma(number, decimals));
+    }
+    if rest.trim_start().starts_with("//") {
+        return Some("a comment begins with #".to_owned());
+    }
+    if rest == ";" {
+        return Some(format!("nothing follows a value: {number}"));
+    }
+    let parts: Vec<&str> = value.split([' ', '\'']).collect();
+    if parts[1..].iter().all(|part| part.len() == 3 && part.parse::<u32>().is_ok()) {
+        return Some(format!("digits have no separators: {}", parts.concat()));
     }
     let symbol = rest.trim_start().split(|c: char| !c.is_alphabetic() && c != '%').next()?;
     let value = value.split(',').next().unwrap_or_default().trim_end();

@@ -46,15 +46,13 @@ impl JointKind {
                 format!("linear drive, {} by a table over time", range(table))
             }
             JointKind::Mesh(Mesh { form, radii: [a, b], .. }) => {
-                let radii = between([*a, *b], "and");
-                match form {
-                    MeshForm::Gear => format!("gear pair, pitch radii {radii}, ratio {:.6}", -a / b),
-                    MeshForm::InternalGear => {
-                        format!("internal gear, pitch radii {radii}, ratio {:.6}", a / b)
-                    }
-                    MeshForm::Belt => format!("belt on radii {radii}, ratio {:.6}", a / b),
-                    MeshForm::Rack => format!("rack on a wheel of pitch radius {}", length(*b)),
-                }
+                let (what, ratio) = match form {
+                    MeshForm::Gear => ("gear pair, pitch radii", -a / b),
+                    MeshForm::InternalGear => ("internal gear, pitch radii", a / b),
+                    MeshForm::Belt => ("belt on radii", a / b),
+                    MeshForm::Rack => return Some(format!("rack on a wheel of pitch radius {}", length(*b))),
+                };
+                format!("{what} {}, ratio {ratio:.6}", between([*a, *b], "and"))
             }
             JointKind::Cam { direction: [x, y], lift } => {
                 format!("cam, lift {} along {:.3} deg", range(lift), y.atan2(*x).to_degrees())

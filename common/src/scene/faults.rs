@@ -220,7 +220,12 @@ impl FaultKind {
         name: &str,
         known: impl Iterator<Item = &'n str> + Clone,
     ) -> Self {
-        Self::unknown_near(what, name, &nearest(name, known.clone()), &known.collect::<Vec<_>>())
+        // The last part of the path of a quantity alone.
+        let is_its_end = |path: &&str| path.strip_suffix(name).is_some_and(|rest| rest.ends_with('.'));
+        let mut ending = known.clone().filter(is_its_end);
+        let only = ending.next().filter(|_| ending.next().is_none()).map(str::to_owned);
+        let meant = only.or_else(|| nearest(name, known.clone()));
+        Self::unknown_near(what, name, &meant, &known.collect::<Vec<_>>())
     }
 
     /// A name that is none of those `known`, of a kind of thing; `nearest` is the one that is likely meant.

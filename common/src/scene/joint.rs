@@ -101,10 +101,7 @@ impl JointKind {
             JointKind::Guide(_) => 4,
             JointKind::Slot { .. } => 5,
             JointKind::LinearDrive(_) => 6,
-            JointKind::Mesh(Mesh { form: MeshForm::Gear, .. }) => 7,
-            JointKind::Mesh(Mesh { form: MeshForm::InternalGear, .. }) => 8,
-            JointKind::Mesh(Mesh { form: MeshForm::Belt, .. }) => 9,
-            JointKind::Mesh(Mesh { form: MeshForm::Rack, .. }) => 10,
+            JointKind::Mesh(Mesh { form, .. }) => 7 + *form as usize,
             JointKind::Cam { .. } => 11,
         }]
     }
@@ -276,7 +273,7 @@ impl WearingSurfaces {
     }
 }
 
-/// Kinds of meshing.
+/// Kinds of meshing, in the order of their words in [`JointKind::WORDS`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum MeshForm {
     /// Two wheels that turn in opposite directions.

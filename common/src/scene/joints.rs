@@ -101,10 +101,10 @@ fn joint(
         "revolute" => Some(JointKind::Revolute),
         "prismatic" => record!(JointKind::Prismatic { axis: angle("axis"), angle: angle("angle") }),
         "fixed" => angle("angle").map(|angle| JointKind::Fixed { angle }),
-        "clearance" => {
-            let wears = row.boolean_or("wear", true);
-            unworn = (wears == Some(false)).then_some("has wear = false");
-            clearance(row, materials, wears == Some(true), true).map(JointKind::Clearance)
+        "clearance" | "guide" => {
+            let (reason, kind) = with_clearance(row, word == "guide", materials, true);
+            unworn = reason;
+            kind
         }
         "slot" => angle("axis").map(|axis| JointKind::Slot { axis }),
         "linear-drive" => linear_drive(row).map(JointKind::LinearDrive),
@@ -112,11 +112,7 @@ fn joint(
         "internal-gear" => mesh(row, MeshForm::InternalGear, bodies, places),
         "belt" => mesh(row, MeshForm::Belt, bodies, places),
         "rack" => mesh(row, MeshForm::Rack, bodies, places),
-        "cam" => cam(row, bodies, places),
-        _ => {
-            unworn = row.peek("wears").is_none().then_some("is a guide without the key wears");
-            guide(row, materials, true).map(JointKind::Guide)
-        }
+        _ => cam(row, bodies, places),
     };
     let friction = size.map_or(Some(None), |size| friction(row, size));
     if let (Some(journal), Some(bushing)) = (journal, bushing)
@@ -133,17 +129,26 @@ fn joint(
 /// The place of both sides of every joint, on the body that stands for the mechanism.
 const PLACE: Attachment = Attachment { body: 0, position: [0.0; 2] };
 
+/// Reads the keys of a joint with clearance or a guide, whose friction may be missing unless it `rubs` here, after the reason why it does not wear.
+fn with_clearance(
+    row: &mut Section,
+    is_guide: bool,
+    materials: &[MaterialRow],
+    rubs: bool,
+) -> (Option<&'static str>, Option<JointKind>) {
+    if is_guide {
+        let unworn = row.peek("wears").is_none().then_some("is a guide without the key wears");
+        return (unworn, guide(row, materials, rubs).map(JointKind::Guide));
+    }
+    let wears = row.boolean_or("wear", true);
+    let unworn = (wears == Some(false)).then_some("has wear = false");
+    (unworn, clearance(row, materials, wears == Some(true), rubs).map(JointKind::Clearance))
+}
+
 /// Reads a joint with clearance, or a guide that wears, whose bodies are those of a program.
 pub(super) fn worn_joint(row: &mut Section, name: &str, materials: &[MaterialRow]) -> JointRow {
     let is_guide = row.word_or("type", &[("clearance", false), ("guide", true)], false);
-    let (unworn, kind) = if is_guide == Some(true) {
-        let unworn = row.peek("wears").is_none().then_some("is a guide without the key wears");
-        (unworn, guide(row, materials, false).map(JointKind::Guide))
-    } else {
-        let wears = row.boolean_or("wear", true);
-        let unworn = (wears == Some(false)).then_some("has wear = false");
-        (unworn, clearance(row, materials, wears == Some(true), false).map(JointKind::Clearance))
-    };
+    let (unworn, kind) = with_clearance(row, is_guide == Some(true), materials, false);
     let (kind, of_joint) = (kind.filter(|_| is_guide.is_some()), name.to_owned());
     let joint =
         kind.map(|kind| Joint { name: of_joint, journal: PLACE, bushing: PLACE, kind, friction: None });

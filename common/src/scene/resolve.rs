@@ -63,7 +63,7 @@ pub(super) fn resolve(
     let changed = Changed { may: changes, seen: &seen, is_faulty: cx.fault_count() > 0 };
     let (mut read, mut correlated) = (vec![], vec![]);
     if with_variables {
-        read = variables(&mut file, changed);
+        read = variables(&mut file, changed, scene.as_ref().map(|scene| &scene.units));
         correlated = correlations(&mut file, &read, changed.is_faulty);
         if !read.is_empty() && limits == 0 {
             file.missing("limit_states", "at least one limit state for a study");
@@ -96,18 +96,29 @@ pub(super) fn resolve(
     }
 }
 
-/// The faults without those of references where a name of the same list is given twice: it is the one that they miss.
+/// The faults without those of references to what another fault left out: a row without a name of its own, a list or table that is misspelt or of
+/// another type.
 fn without_followers(mut faults: Vec<Fault>) -> Vec<Fault> {
     for (list, missed) in [
-        ("bodies", &["body", "point", "quantity"][..]),
+        ("materials", &["material"][..]),
+        ("bodies", &["body", "point", "quantity"]),
+        ("points", &["point"]),
         ("joints", &["joint", "quantity"]),
         ("loads", &["quantity"]),
         ("outputs", &["output"]),
         ("variables", &["random variable"]),
+        ("parameters", &[]),
     ] {
-        let is_twice = |fault: &Fault| matches!(&fault.kind, FaultKind::Duplicate(what, _) if what == list);
-        let follows = |fault: &Fault| matches!(fault.kind, FaultKind::UnknownReference(what, _) if missed.contains(&what));
-        if faults.iter().any(is_twice) {
+        let is_cause = |fault: &Fault| match &fault.kind {
+            FaultKind::UnknownKey { nearest, .. } if nearest.as_deref() == Some(list) => true,
+            _ => fault.key.starts_with(&format!("{list}[")) || fault.key.split('.').next_back() == Some(list),
+        };
+        let follows = |fault: &Fault| match &fault.kind {
+            FaultKind::UnknownReference(what, _) => missed.contains(what),
+            FaultKind::Expression(..) => missed.is_empty(),
+            _ => false,
+        };
+        if faults.iter().any(is_cause) {
             faults.retain(|fault| !follows(fault));
         }
     }

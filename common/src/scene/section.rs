@@ -3,7 +3,7 @@
 //! fault returns `None` too, so that a reader gives `.and(None)` of it in the place of its value.
 
 use super::context::{Context, Range};
-use super::faults::{FaultKind, Faults, nearest};
+use super::faults::{Fault, FaultKind, Faults, nearest};
 use super::quantity::Kind;
 use std::fmt::Display;
 use std::ops::RangeInclusive;
@@ -68,9 +68,14 @@ impl<'s> Section<'s> {
         self.fault(key, FaultKind::out_of_range(value, allowed))
     }
 
-    /// Records that a key is missing.
+    /// Records that a key is missing, unless it or a part of it has a fault already.
     pub fn missing(&self, key: &str, expected: impl Into<String>) -> Option<()> {
-        self.fault(key, FaultKind::Missing(expected.into()))
+        let path = self.key(key);
+        let is_of_it = |fault: &Fault| {
+            fault.key.strip_prefix(&path).is_some_and(|rest| rest.is_empty() || rest.starts_with(['[', '.']))
+        };
+        let has_one = self.cx.faults.borrow().iter().any(is_of_it);
+        if has_one { None } else { self.cx.fault(path, FaultKind::Missing(expected.into())) }
     }
 
     /// Records that a value has another type of TOML value.
@@ -141,14 +146,28 @@ impl<'s> Section<'s> {
         self.table.iter()
     }
 
-    /// Records a fault for every key of the table that is not a known one.
+    /// Records a fault for every key of the table that is not a known one. That a key is missing for which it is likely meant is no further fault.
     pub fn finish(&self) {
-        if self.given_up {
-            return;
+        let unknown = |table: &'s Table| table.keys().filter(|key| !self.known.contains(&key.as_str()));
+        for key in self.defaults.into_iter().flat_map(unknown) {
+            self.withdraw_missing(key);
         }
-        for key in self.table.keys().filter(|key| !self.known.contains(&key.as_str())) {
-            self.fault(key, FaultKind::unknown_key(key, self.known.iter().copied()));
+        for key in unknown(self.table) {
+            if self.withdraw_missing(key) || !self.given_up {
+                self.fault(key, FaultKind::unknown_key(key, self.known.iter().copied()));
+            }
         }
+    }
+
+    /// Withdraws the fault that the key is missing, or the one that may take its place, for which this unknown one is likely meant; false without one.
+    fn withdraw_missing(&self, unknown: &str) -> bool {
+        let Some(meant) = nearest(unknown, self.known.iter().copied()) else { return false };
+        let either = if EITHER.contains(&&*meant) { EITHER } else { [&*meant; 2] };
+        let keys = either.map(|key| self.key(key));
+        let mut faults = self.cx.faults.borrow_mut();
+        let before = faults.len();
+        faults.retain(|fault| !(matches!(fault.kind, FaultKind::Missing(_)) && keys.contains(&fault.key)));
+        faults.len() < before
     }
 }
 
@@ -273,7 +292,12 @@ impl<'s> Section<'s> {
         match value.as_integer() {
             Some(n) if range.contains(&n) => Some(n),
             Some(n) => self.out_of_range(key, n, allowed).and(None),
-            None => self.wrong_type(key, value, format!("a whole number {allowed}")).and(None),
+            None => {
+                let float = value.as_float().filter(|x| x.fract() == 0.0);
+                let instead = float.map(|x| format!(": {x} is written without point and exponent"));
+                let expected = format!("a whole number {allowed}{}", instead.unwrap_or_default());
+                self.wrong_type(key, value, expected).and(None)
+            }
         }
     }
 }

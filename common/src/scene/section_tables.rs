@@ -31,7 +31,10 @@ impl<'s> Section<'s> {
     }
 
     fn as_section(&self, key: &str, value: &'s Value, expected: &str) -> Option<Section<'s>> {
-        let table = value.as_table().or_else(|| self.wrong_type(key, value, expected).and(None))?;
+        let in_one = if value.is_array() { ", whose head has one bracket on each side" } else { "" };
+        let table = value
+            .as_table()
+            .or_else(|| self.wrong_type(key, value, format!("{expected}{in_one}")).and(None))?;
         Some(Section::new(self.cx, self.key(key), table))
     }
 
@@ -39,7 +42,11 @@ impl<'s> Section<'s> {
     pub fn unnamed_rows(&mut self, key: &'static str) -> Vec<Section<'s>> {
         let Some(value) = self.get(key) else { return Vec::new() };
         let Some(list) = value.as_array() else {
-            self.wrong_type(key, value, format!("a list of tables [[{key}]]"));
+            self.wrong_type(
+                key,
+                value,
+                format!("a list of tables: each row begins with [[{key}]], and has its name as a key"),
+            );
             return Vec::new();
         };
         let row = |(number, value)| self.as_section(&format!("{key}[{number}]"), value, "a table");
@@ -65,7 +72,11 @@ impl<'s> Section<'s> {
         let path = self.key(key);
         let mut rows: Vec<(&str, Section)> = Vec::new();
         for mut row in self.unnamed_rows(key) {
-            let Some(name) = row.text("name", "a name") else { continue };
+            let Some(name) = row.text("name", "a name") else {
+                row.given_up = true;
+                row.finish();
+                continue;
+            };
             if rows.iter().any(|(taken, _)| *taken == name) {
                 row.fault("name", FaultKind::Duplicate(path.clone(), name.to_owned()));
                 continue;

@@ -40,6 +40,9 @@ pub struct SceneSource {
     layers: Vec<Layer>,
 }
 
+/// Keys of joints that belong to a program which gives cycles.
+const KEYS_OF_PROGRAM: &str = "axis angle friction friction_speed film_damping contact_damping.hunt_crossley contact_damping.restitution";
+
 impl SceneSource {
     /// Names of the built-in scenes.
     pub fn builtin_names() -> Vec<&'static str> {
@@ -175,7 +178,17 @@ impl SceneSource {
         let overridden = self.overridden_variables().into_iter().filter(everywhere);
         let key = |k: usize| format!("variables.{}", scene.variables[k].name);
         let without_effect = overridden.map(|(k, _)| Warning::new(key(k), message)).collect();
-        [warnings(scene), magnitudes(scene), without_effect].concat()
+        [warnings(scene), magnitudes(scene), without_effect, self.keys_of_program()].concat()
+    }
+
+    /// Keys of joints in whose place a program that gives cycles has its own.
+    fn keys_of_program(&self) -> Vec<Warning> {
+        let joints = self.nominal.joints.iter().filter(|_| self.nominal.simulator.is_some());
+        let keys = joints
+            .flat_map(|joint| KEYS_OF_PROGRAM.split(' ').map(|key| format!("joints.{}.{key}", joint.name)));
+        let message =
+            "has no effect: the program has its own; let a random variable without `changes` reach it";
+        keys.filter(|key| self.quantities.contains_key(key)).map(|key| Warning::new(key, message)).collect()
     }
 
     /// Random variables, by their number, without effect under the operating conditions of these names, which set what they change.

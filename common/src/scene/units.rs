@@ -105,6 +105,12 @@ impl Units {
         self.by_usual.get(if usual == "um" { "µm" } else { usual })
     }
 
+    /// Symbol of the chosen unit of a kind of quantities; of lengths that of positions and sizes before that of depths.
+    pub(super) fn of_kind(&self, kind: Kind) -> Option<&str> {
+        let mut usual = Self::KEYS.iter().filter(|(_, _, other, _)| other.name == kind.name);
+        usual.find_map(|(_, usual, ..)| Some(&*self.by_usual.get(usual)?.symbol))
+    }
+
     /// Symbol of the unit in which quantities with this usual unit are shown.
     pub fn symbol<'u>(&'u self, usual: &'u str) -> &'u str {
         self.shown(usual).map_or(usual, |unit| &unit.symbol)

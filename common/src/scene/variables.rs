@@ -11,6 +11,7 @@ use super::expression::read_unit;
 use super::faults::in_first_unit;
 use super::quantity::{Dimension, NUMBER, Quantity};
 use super::section::Section;
+use super::units::Units;
 use super::variable_law::WrittenLaw;
 use crate::random::{
     Correlation, Distribution, Family, FitError, GaussianCopula, RandomVariable, normal_from_rank_correlation,
@@ -44,8 +45,12 @@ pub(super) struct Changed<'a> {
 pub(super) type Variable = (RandomVariable, Option<MeasuredVariable>);
 
 /// Reads `[[variables]]`, after everything that a variable may change: name and variable, unless faulty. Variables without keys that they
-/// change are inputs of an external simulator.
-pub(super) fn variables<'s>(file: &mut Section<'s>, scene: Changed) -> Vec<(&'s str, Option<Variable>)> {
+/// change are inputs of an external simulator. One without a unit has that of its kind among the chosen `units`, or the SI unit.
+pub(super) fn variables<'s>(
+    file: &mut Section<'s>,
+    scene: Changed,
+    units: Option<&Units>,
+) -> Vec<(&'s str, Option<Variable>)> {
     let mut owners: BTreeMap<String, &str> = BTreeMap::new();
     file.each_row("variables", |name, row| {
         let is_input = match scene.may {
@@ -60,11 +65,16 @@ pub(super) fn variables<'s>(file: &mut Section<'s>, scene: Changed) -> Vec<(&'s 
                 row.inconsistent("changes", message);
             }
         }
-        (name, variable(name, row, changes, scene))
+        (name, variable(name, row, changes, (scene, units)))
     })
 }
 
-fn variable(name: &str, row: &mut Section, changes: Option<Vec<String>>, scene: Changed) -> Option<Variable> {
+fn variable(
+    name: &str,
+    row: &mut Section,
+    changes: Option<Vec<String>>,
+    (scene, units): (Changed, Option<&Units>),
+) -> Option<Variable> {
     let unit = row.if_any("unit", |row, key| row.text(key, "a unit, e.g. \"mm\""));
     let law = law(row, changes.as_deref(), scene);
     let ((nominal, distribution, measured), unit, changes) = (law?, unit?, changes?);
@@ -85,7 +95,8 @@ fn variable(name: &str, row: &mut Section, changes: Option<Vec<String>>, scene: 
         },
         None => {
             let of_samples = row.peek("samples").and_then(|samples| samples.get("unit")?.as_str());
-            of_samples.map_or_else(|| dimension.si_unit(), str::to_owned)
+            let chosen = || units?.of_kind(nominal.kind()).map(str::to_owned);
+            of_samples.map(str::to_owned).or_else(chosen).unwrap_or_else(|| dimension.si_unit())
         }
     };
     Some((RandomVariable { name: name.to_owned(), distribution, changes, unit }, measured))

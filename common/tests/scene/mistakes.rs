@@ -89,3 +89,76 @@ fn issue_a_separator_of_thousands_became_a_decimal_point() {
     let found = said(|text| text.replacen("friction = 0.05", "friction = 9,000", 1));
     assert!(found.contains("write 9000 if it separates thousands"), "{found}");
 }
+
+/// The only fault after a change, which has this text and place.
+#[track_caller]
+fn only(from: &str, to: &str, says: &str) {
+    let found = said(|text| text.replacen(from, to, 1));
+    assert_eq!(found.matches("error: ").count(), 1, "{to}: {found}");
+    assert!(found.contains(says), "{to}: {found}");
+}
+
+#[test]
+fn issue_a_misspelt_key_was_missing_too() {
+    for (from, to, says) in [
+        (
+            "friction_speed = ",
+            "frction_speed = ",
+            "frction_speed: unknown key, did you mean \"friction_speed\"?",
+        ),
+        // Of two keys of which one is needed, and one that decides about the others.
+        ("radial_clearance = \"cl", "radial_clearence = \"cl", "did you mean \"radial_clearance\"?"),
+        ("type = \"clearance\"", "tpye = \"clearance\"", "tpye: unknown key, did you mean \"type\"?"),
+        (
+            "name = \"rocker\"\nmotion",
+            "nmae = \"rocker\"\nmotion",
+            "nmae: unknown key, did you mean \"name\"?",
+        ),
+        ("[life]", "[lief]", "lief: unknown key, did you mean \"life\"?"),
+        ("[parameters]", "[parametres]", "parametres: unknown key, did you mean \"parameters\"?"),
+        ("checkpoint_every", "checkpoint-every", "did you mean \"checkpoint_every\"?"),
+        ("[bodies.points]", "[bodies.point]", "did you mean \"points\"?"),
+    ] {
+        only(from, to, says);
+    }
+    // A default of joints, in the place of the keys of three joints.
+    let text = SCENE.replace("width = \"width\"\n", "");
+    let found = said(|_| format!("[joint_defaults]\nwdith = \"10 mm\"\n{text}"));
+    assert_eq!(found.matches("error: ").count(), 1, "{found}");
+    assert!(found.contains("joint_defaults.wdith: unknown key, did you mean \"width\"?"), "{found}");
+}
+
+#[test]
+fn issue_a_table_for_a_list_was_missing_too() {
+    only("[[limit_states]]", "[limit_states.wear]", "each row begins with [[limit_states]]");
+    only("[bodies.points]", "[[bodies.points]]", "expected a table, whose head has one bracket on each side");
+}
+
+#[test]
+fn issue_signs_of_other_languages_were_no_hint() {
+    for (from, to, says) in [
+        ("speed = \"900 r/min\"", "speed: \"900 r/min\"", "write speed = \"900 r/min\""),
+        ("checkpoint_every =", "checkpoint every =", "a key has no spaces: checkpoint_every ="),
+        ("cycles = 8000", "cycles = 8 000", "digits have no separators: 8000"),
+        ("cycles = 8000", "cycles = 8'000", "digits have no separators: 8000"),
+        ("cycles = 8000", "cycles = 8000;", "nothing follows a value: 8000"),
+        ("cycles = 8000", "cycles = 8000 // of life", "a comment begins with #"),
+        ("cycles = 8000", "cycles = 8e3", ": 8000 is written without point and exponent"),
+        ("[\"parameters.friction\"]", "[\"friction\"]", "did you mean \"parameters.friction\"?"),
+    ] {
+        only(from, to, says);
+    }
+}
+
+#[test]
+fn issue_keys_in_whose_place_a_program_has_its_own_passed_without_a_word() {
+    let cycle = include_str!("../scenes/cycle.toml");
+    let keys = |text: &str| -> Vec<String> {
+        let source = SceneSource::parse(text, "cycle.toml").unwrap_or_else(|faults| panic!("{faults}"));
+        source.warnings().into_iter().map(|warning| warning.key).collect()
+    };
+    assert!(keys(cycle).is_empty());
+    let own = "name = \"rail\"\naxis = \"90 deg\"\nangle = \"0 deg\"\nfriction = 0.1";
+    let found = keys(&cycle.replacen("name = \"rail\"", own, 1));
+    assert_eq!(found, ["joints.rail.axis", "joints.rail.angle", "joints.rail.friction"]);
+}

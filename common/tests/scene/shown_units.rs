@@ -50,6 +50,18 @@ fn other_quantities_have_the_stated_unit() {
 }
 
 #[test]
+fn issue_random_variables_did_not_have_the_stated_unit() {
+    let unit = |units: &str, name: &str| {
+        let source = four_bar("8 um", units).unwrap();
+        source.variables()[source.variable(name).unwrap()].unit.clone()
+    };
+    assert_eq!(unit("", "load_torque"), "N m");
+    assert_eq!(unit("[units]\ntorque = \"lbf in\"", "load_torque"), "lbf in");
+    assert_eq!(unit("[units]\nlength = \"in\"", "load_torque"), "N m");
+    assert_eq!(unit("[units]\nlength = \"in\"", "friction"), "1");
+}
+
+#[test]
 fn faulty_units_are_refused() {
     for (units, expected) in [
         ("length = \"inch\"", "units.length: "),

@@ -125,7 +125,7 @@ impl Simulated<'_> {
                 grouped((*since).into())
             );
         }
-        for caution in cautions(scene, &evaluation.diagnostics) {
+        for caution in cautions(scene, evaluation) {
             text += &format!("caution: {}\n", caution.message);
         }
         for file in files {

@@ -7,20 +7,42 @@
 
 use super::format::{count, three_digits};
 use crate::results::summary_rows::{ControlPointsRow, control_points_rows};
-use common::outputs::{Diagnostics, EnergyBalance, UnsettledMotion};
-use common::scene::{Scene, Warning};
+use common::outputs::{CycleHistory, Diagnostics, EnergyBalance, Evaluation, UnsettledMotion};
+use common::scene::{Joint, JointKind, Scene, Warning};
 
 /// Share of the energy of a cycle from which on such work is pointed out [1]: the nominal `flapping-wing` has 0.001.
 const NOTABLE: f64 = 0.01;
 /// Share of all powers over a cycle below which a residual counts as rounding of the balance, whatever goes through [1].
 const NEGLIGIBLE: f64 = 1e-4;
 
-/// All cautions about the simulation of one mechanism, each with the key of the scene that it belongs to: about its motion, and about outputs
-/// that depend on the number of control points.
-pub fn cautions(scene: &Scene, diagnostics: &Diagnostics) -> Vec<Warning> {
-    let of_points = control_points_notes(&control_points_rows(scene, diagnostics)).into_iter();
+/// All cautions about the simulation of one mechanism, each with the key of the scene that it belongs to: about its motion, about outputs
+/// that depend on the number of control points, and about cams that pull.
+pub fn cautions(scene: &Scene, evaluation: &Evaluation) -> Vec<Warning> {
+    let of_points = control_points_notes(&control_points_rows(scene, &evaluation.diagnostics)).into_iter();
     let of_points = of_points.map(|message| Warning { key: "joints".to_owned(), message });
-    motion_cautions(diagnostics).into_iter().chain(of_points).collect()
+    let of_cams = evaluation.first_cycle.iter().flat_map(|cycle| pulling_cams(scene, cycle));
+    motion_cautions(&evaluation.diagnostics).into_iter().chain(of_points).chain(of_cams).collect()
+}
+
+/// The cams that pull their followers in a cycle, which their contact cannot do.
+fn pulling_cams(scene: &Scene, cycle: &CycleHistory) -> Vec<Warning> {
+    let cams = scene.joints.iter().filter(|joint| matches!(joint.kind, JointKind::Cam { .. }));
+    let pulled = |joint: &Joint| {
+        let force = &cycle.joint_force.iter().find(|(name, _)| *name == joint.name)?.1;
+        let (at, least) = force.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1))?;
+        let largest = force.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        let body = &scene.bodies[joint.bushing.body].name;
+        let angle = cycle.motion.iter().find(|motion| motion.body == *body)?.angle.get(at)?;
+        let degrees = angle.to_degrees().rem_euclid(360.0);
+        let message = format!(
+            "the cam pulls its follower with up to {} N, at {degrees:.0} deg of {body}: without a groove on both sides of the follower it lifts off; \
+             give the follower a spring or a slower drive",
+            three_digits(-least)
+        );
+        let message = message.replace('\u{a0}', " ");
+        (-least > NEGLIGIBLE * largest).then(|| Warning { key: format!("joints.{}", joint.name), message })
+    };
+    cams.filter_map(pulled).collect()
 }
 
 /// The cautions about the motion of an evaluation, each with the key of the scene that it belongs to; none if there is nothing to point out.

@@ -98,3 +98,30 @@ fn issue_a_changed_scene_was_written_without_its_comments() {
     let differ = stored.lines().zip(source.text().lines()).filter(|(a, b)| a != b).count();
     assert!(differ <= 3 && stored.contains("width = \"11 mm\""), "{differ}\n{stored}");
 }
+
+#[test]
+fn every_coupling_rope_and_stop_is_shown_and_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["drive-train", "feeder", "flap", "roller-cam"] {
+        let file = format!("{}/../common/tests/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+        let drawing = folder.path().join(format!("{name}.svg"));
+        printed(&["draw", &file, "--out", drawing.to_str().unwrap()]);
+        assert!(std::fs::read_to_string(&drawing).unwrap().contains("</svg>"));
+        let found = printed(&["check", &file]);
+        assert!(found.contains("\nnominal worn: ") && !found.contains("pulls"), "{found}");
+    }
+}
+
+#[test]
+fn issue_a_cam_that_has_to_pull_its_follower_passed_without_a_word() {
+    let cam = format!("{}/../common/tests/scenes/roller-cam.toml", env!("CARGO_MANIFEST_DIR"));
+    let fast = ["--set", "bodies.motor.speed=-600 r/min", "--set", "loads.spring.stiffness=0.5 N/mm"];
+    let found = printed(&[&["check", &cam], &fast[..]].concat());
+    let warning = found.lines().find(|line| line.contains("warning: joints.roller: ")).expect("a warning");
+    // k (y - 20 mm) + m (g + y''), at three quarters of the rise or a quarter of the fall.
+    assert!(warning.contains("the cam pulls its follower with up to 13."), "{warning}");
+    assert!(
+        warning.contains(" N, at 90 deg of cam") || warning.contains(" N, at 210 deg of cam"),
+        "{warning}"
+    );
+}

@@ -103,7 +103,7 @@ impl Island {
         self.passage.as_ref().is_some_and(|passage| passage.is_large)
     }
 
-    /// Force in each ideal joint at the state of `at`, in the order of [`Self::ideal`] [N].
+    /// Force in each ideal joint at the state of `at`, in the order of [`Self::ideal`], negative where a cam pulls [N].
     pub(crate) fn ideal_forces<'a>(&'a self, at: &'a Linearised) -> impl Iterator<Item = f64> + 'a {
         let (mut first, mut rubbing) = (0, at.friction.iter());
         self.ideal.constraints.iter().map(move |c| {

@@ -8,7 +8,7 @@ use super::load::IslandLoad;
 use super::passage::Passage;
 use super::{Constraint, Island, WearingGuide, WearingJoint};
 use common::failure::SimulationFailure;
-use common::scene::{JointKind, Load, Motion, Scene};
+use common::scene::{Joint, JointKind, Load, Motion, Scene};
 
 /// Splits a checked scene into its islands, in the order of their first bodies.
 ///
@@ -57,39 +57,32 @@ pub fn islands(scene: &Scene) -> Result<Vec<Island>, SimulationFailure> {
 /// The joints with clearance of a scene whose cycles a program simulates, as an island without bodies.
 pub fn island_of_program(scene: &Scene) -> Island {
     let mut frames = IslandFrames::new(scene, vec![]);
-    let (mut joints, mut guides) = (Vec::new(), Vec::new());
-    for (index, joint) in scene.joints.iter().enumerate() {
+    let (joints, guides, _) = joints_of(scene, &mut frames, |_| true);
+    Island::new(&frames, joints, guides)
+}
+
+/// Joints and guides with clearance, and ideal joints.
+type Joints = (Vec<WearingJoint>, Vec<WearingGuide>, Vec<Constraint>);
+
+/// The joints of a scene that `belong` to an island, with their ends on its `frames`.
+fn joints_of(scene: &Scene, frames: &mut IslandFrames, belong: impl Fn(&Joint) -> bool) -> Joints {
+    let (mut joints, mut guides, mut ideal) = (Vec::new(), Vec::new(), Vec::new());
+    for (index, joint) in scene.joints.iter().enumerate().filter(|(_, joint)| belong(joint)) {
         let ends = [frames.end(&joint.journal), frames.end(&joint.bushing)];
         match &joint.kind {
-            JointKind::Clearance(clearance) => {
-                joints.push(WearingJoint::new(index, (clearance, &scene.wear), ends));
-            }
+            JointKind::Clearance(hinge) => joints.push(WearingJoint::new(index, (hinge, &scene.wear), ends)),
             JointKind::Guide(guide) => guides.push(WearingGuide::new(index, guide, ends)),
-            _ => {}
+            kind => ideal.push(Constraint::new(index, ends, kind).with_friction(joint.friction)),
         }
     }
-    Island::new(&frames, joints, guides)
+    (joints, guides, ideal)
 }
 
 /// The island of the free bodies `bodies` of a scene.
 fn assemble(scene: &Scene, bodies: Vec<usize>) -> Island {
     let mut frames = IslandFrames::new(scene, bodies.clone());
-    let mut joints = Vec::new();
-    let mut guides = Vec::new();
-    let mut constraints = Vec::new();
-    for (index, joint) in scene.joints.iter().enumerate() {
-        if !bodies.contains(&joint.journal.body) && !bodies.contains(&joint.bushing.body) {
-            continue;
-        }
-        let ends = [frames.end(&joint.journal), frames.end(&joint.bushing)];
-        match &joint.kind {
-            JointKind::Clearance(clearance) => {
-                joints.push(WearingJoint::new(index, (clearance, &scene.wear), ends));
-            }
-            JointKind::Guide(guide) => guides.push(WearingGuide::new(index, guide, ends)),
-            ideal => constraints.push(Constraint::new(index, ends, ideal).with_friction(joint.friction)),
-        }
-    }
+    let on_them = |joint: &Joint| [&joint.journal, &joint.bushing].iter().any(|at| bodies.contains(&at.body));
+    let (joints, guides, constraints) = joints_of(scene, &mut frames, on_them);
     let acting = scene.loads.iter().filter(|load| load.bodies().iter().any(|b| bodies.contains(b)));
     let loads: Vec<IslandLoad> = acting.map(|load| IslandLoad::new(load, &mut frames)).collect();
     let mut mass = Vec::new();

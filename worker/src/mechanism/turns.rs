@@ -68,33 +68,28 @@ fn check_differences(scene: &Scene, turns: &[Option<f64>]) -> Result<(), Simulat
         (None, Some(turns)) | (Some(turns), None) => turns != 0.0,
         _ => false,
     };
-    let names = |a: usize, b: usize| format!("{} and {}", scene.bodies[a].name, scene.bodies[b].name);
-    for load in &scene.loads {
-        let (Load::TorsionSpring { name, a, b, .. } | Load::AngleStop { name, a, b, .. }) = load else {
-            continue;
-        };
-        if is_open(*a, *b) {
-            let bodies = names(*a, *b);
+    let loads = scene.loads.iter().filter_map(|load| match load {
+        Load::TorsionSpring { name, a, b, .. } | Load::AngleStop { name, a, b, .. } => {
+            Some(("load", name, *a, *b))
+        }
+        _ => None,
+    });
+    let outputs = scene.outputs.iter().filter_map(|output| match &output.kind {
+        OutputKind::AngleDifference { a, b } => Some(("output", &output.name, a.body, b.body)),
+        _ => None,
+    });
+    for (what, name, a, b) in loads.chain(outputs) {
+        let bodies = format!("{} and {}", scene.bodies[a].name, scene.bodies[b].name);
+        if is_open(a, b) {
             return refuse(format!(
-                "the load {name}: by how many turns {bodies} differ after a cycle is left open by the drives"
+                "the {what} {name}: by how many turns {bodies} differ after a cycle is left open by the drives"
             ));
         }
-        let more = turns[*a].unwrap_or_default() - turns[*b].unwrap_or_default();
-        if more != 0.0 {
-            let bodies = names(*a, *b);
+        let more = turns[a].unwrap_or_default() - turns[b].unwrap_or_default();
+        if what == "load" && more != 0.0 {
+            let more = more * 360.0;
             return refuse(format!(
-                "the load {name} between {bodies}, which every cycle winds up by {} deg: no cycle repeats",
-                more * 360.0
-            ));
-        }
-    }
-    for output in &scene.outputs {
-        let OutputKind::AngleDifference { a, b } = &output.kind else { continue };
-        if is_open(a.body, b.body) {
-            return refuse(format!(
-                "the output {}: by how many turns {} differ after a cycle is left open by the drives",
-                output.name,
-                names(a.body, b.body)
+                "the load {name} between {bodies}, which every cycle winds up by {more} deg: no cycle repeats"
             ));
         }
     }

@@ -205,7 +205,7 @@ impl FullRecording {
             contacts.chain(island.ideal_forces(at).map(|force| (force, true)))
         };
         for (track, (force, touches)) in self.forces.iter_mut().zip(forces()) {
-            track.push(force, touches, half);
+            track.push(force.abs(), touches, half);
         }
         if let Some(motion) = &mut self.displayed {
             motion.push(t, [q, v], forces().map(|(force, _)| force), powers(island, t, v, at));

@@ -190,7 +190,7 @@ impl Recorder {
             let contacts = at.joints.iter().map(|j| libm::hypot(j.force[0], j.force[1]));
             let contacts = contacts.chain(at.guides.iter().map(GuideReaction::force));
             for (peak, force) in peaks.iter_mut().zip(contacts.chain(island.ideal_forces(at))) {
-                push_largest(peak, force, later);
+                push_largest(peak, force.abs(), later);
             }
         }
         self.peaks.push(island, (t, q, v), later, at);

@@ -45,18 +45,21 @@ fn equal_blocks(cycles: u32, step: u32) -> Vec<u32> {
 }
 
 /// Lives at which a cycle is simulated [cycles]: 0, the ends of the graded first block, then every `jump` cycles, rounded to the
-/// checkpoints, which are `every` cycles apart, to the end of life at `cycles`.
+/// checkpoints, which are `every` cycles apart, to the end of life at `cycles`. Where no block of half of `jump` or more divides the distance of the
+/// checkpoints, the last block before each of them is shorter than the others.
 fn block_ends(cycles: u32, jump: u32, every: u32) -> Vec<u32> {
-    let jump = match jump.clamp(1, cycles) {
-        jump if jump >= every => jump / every * every,
-        jump => (1..=jump).rev().find(|j| every.is_multiple_of(*j)).unwrap_or(1),
+    let jump = jump.clamp(1, cycles);
+    let (block, met) = match (jump.div_ceil(2)..=jump).rev().find(|j| every.is_multiple_of(*j)) {
+        _ if jump >= every => (jump / every * every, cycles),
+        Some(divisor) => (divisor, cycles),
+        None => (every.div_ceil(every.div_ceil(jump)), every),
     };
     let mut ends = vec![0];
-    ends.extend([16, 8, 4, 2].iter().map(|d| jump / d).filter(|&c| c > 0));
-    let mut end = jump;
+    ends.extend([16, 8, 4, 2].iter().map(|d| block / d).filter(|&c| c > 0));
+    let mut end = block;
     while end < cycles {
         ends.push(end);
-        end += jump;
+        end = (end + block).min((end / met + 1) * met);
     }
     ends.push(cycles);
     ends.dedup();
@@ -157,6 +160,16 @@ mod tests {
         assert_eq!(block_ends(1000, 300, 1000)[..6], [0, 15, 31, 62, 125, 250]);
         assert_eq!(block_ends(5000, 2000, 1000).last(), Some(&5000));
         assert_eq!(block_ends(3, 2000, 1), [0, 1, 3]);
+    }
+
+    #[test]
+    fn issue_a_prime_number_of_cycles_between_checkpoints_had_blocks_of_one_cycle() {
+        let ends = block_ends(2018, 300, 1009);
+        assert_eq!(ends, [0, 15, 31, 63, 126, 253, 506, 759, 1009, 1262, 1515, 1768, 2018]);
+        assert_eq!(block_ends(300_000_007, 1_000_000, 300_000_007).len(), 1 + 4 + 301);
+        // 250 divides; of 14 only 2 and 1 do up to 6.
+        assert_eq!(block_ends(2000, 300, 1000)[5..], [250, 500, 750, 1000, 1250, 1500, 1750, 2000]);
+        assert_eq!(block_ends(14, 6, 14), [0, 1, 2, 5, 10, 14]);
     }
 
     #[test]

@@ -31,6 +31,7 @@ mod rattling;
 mod restitution;
 mod scenes;
 mod settling;
+mod shown_elements;
 mod side_by_side;
 mod single_cycle;
 #[path = "../standalone/mod.rs"]

@@ -96,12 +96,8 @@ impl IslandLoad {
 
     /// Whether the load's work counts as input, as far as it is not dissipated: it has no potential.
     pub(crate) fn drives(&self) -> bool {
-        match self {
-            Self::DirectionalSpring(_) | Self::Spring(_) | Self::TorsionSpring(_) => false,
-            Self::LineStop(_) | Self::AngleStop(_) => false,
-            Self::PointForce(_) | Self::BodyTorque(_) | Self::Motor(_) => true,
-            Self::Drag(_) | Self::RotationalDrag(_) => true,
-        }
+        let springs = matches!(self, Self::DirectionalSpring(_) | Self::Spring(_) | Self::TorsionSpring(_));
+        !springs && !matches!(self, Self::LineStop(_) | Self::AngleStop(_))
     }
 
     /// The load of a scene, with its frames from `frames`.
@@ -115,13 +111,11 @@ impl IslandLoad {
                 let ends = [frames.end(a), frames.end(b)];
                 Self::Spring(Spring { ends, stiffness, damping, free_length })
             }
-            Load::EndStop { ref a, ref b, shortest: length, stiffness, dissipation, .. } => {
+            Load::EndStop { ref a, ref b, shortest: length, stiffness, dissipation, .. }
+            | Load::Rope { ref a, ref b, longest: length, stiffness, dissipation, .. } => {
                 let ends = [frames.end(a), frames.end(b)];
-                Self::LineStop(LineStop { ends, side: -1.0, length, stiffness, dissipation })
-            }
-            Load::Rope { ref a, ref b, longest: length, stiffness, dissipation, .. } => {
-                let ends = [frames.end(a), frames.end(b)];
-                Self::LineStop(LineStop { ends, side: 1.0, length, stiffness, dissipation })
+                let side = if matches!(load, Load::Rope { .. }) { 1.0 } else { -1.0 };
+                Self::LineStop(LineStop { ends, side, length, stiffness, dissipation })
             }
             Load::AngleStop { a, b, lower, upper, stiffness, dissipation, .. } => {
                 let frames = [frames.frame(a), frames.frame(b)];

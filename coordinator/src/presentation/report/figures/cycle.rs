@@ -98,7 +98,7 @@ fn forces(cycle: &CycleHistory, unit: &OutputUnit, [name, title, state]: [&str; 
     let force = |(joint, force): &(String, Vec<f64>)| (format!("joint {joint}"), trace(cycle, force, unit));
     let forces = cycle.joint_force.iter().map(force).collect();
     let peak = |(name, force): &(String, Vec<f64>)| {
-        let largest = force.iter().copied().fold(0.0, f64::max);
+        let largest = force.iter().fold(0.0, |a: f64, force| a.max(force.abs()));
         format!("{name}: {}", fixed_with_unit(unit, largest, 2))
     };
     let caption = format!("{state} Peaks of joints {}.", joined(cycle.joint_force.iter().map(peak), ", "));
