@@ -59,7 +59,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 let mut lives: Vec<f64> = units.map(|unit| life(scene, unit)).collect();
                 lives.sort_unstable_by(f64::total_cmp);
                 let unknown: Vec<String> = rest.iter().map(|name| format!("{name},,")).collect();
-                fleets::run(&study, |_| lives.clone(), first.parse()?, &unknown)
+                fleets::run(&study, |_| lives.clone(), first.parse()?, &unknown, None)
             }
         };
     }

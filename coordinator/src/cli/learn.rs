@@ -13,8 +13,8 @@ use std::path::PathBuf;
 pub const EXAMPLES: &str = "\
 The file has one observation a line, as that of `update`: unit, cycles, quantity, value, standard deviation of its error. A failure has \
 as value the limit state and as error that of its life, where they are known. Rows of the unit `population` name what is not known: \
-VARIABLE.mean, VARIABLE.std or a design variable of the study, with value and standard deviation of its prior, or without both for a \
-flat one. Rows of the unit `price` have as value what one more unit run to failure (`failed`), or one measured value, costs:
+VARIABLE.mean, VARIABLE.std, correlation(A B) or a design variable of the study, with value and standard deviation of its prior, or \
+without both for a flat one. Rows of the unit `price` have as value what one more unit run to failure (`failed`), or one measured value, costs:
 
   unit,       cycles, quantity,       value,    error
   population, ,       friction.mean,  0.05,     0.01

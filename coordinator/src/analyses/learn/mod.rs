@@ -13,10 +13,11 @@
 //! | `data_value` | which further data would narrow the bound most |
 //! | `result`, `text` | settings and answer |
 //!
-//! The surrogates' errors count as scatter between units: an error that all units share is not in the bounds. Unknown correlations
-//! are not learned.
+//! The surrogates' errors count as scatter between units: an error that all units share is not in the bounds.
 
 mod data_value;
+#[cfg(test)]
+mod dependence_tests;
 mod fleet;
 mod population;
 mod result;

@@ -1,12 +1,13 @@
 //! Unknown parameters of a study's population with their priors, and the distributions of the points by which they are tried.
 
+use crate::analyses::scene_settings::correlation_of;
 use crate::analyses::update::{
     Moment, Observable, Observation, ObservedUnit, Quantity, UnknownParameter, WIDE,
 };
 use crate::statistics::design::{InputModel, Population};
 use crate::statistics::updating::{ParameterPrior, ParameterSpace, UncertainVariable, is_positive_family};
 use crate::study::LifeModel;
-use common::random::{Distribution, RandomVariable};
+use common::random::{Correlation, Distribution, RandomVariable};
 use common::scene::Scene;
 use std::collections::BTreeSet;
 
@@ -16,6 +17,8 @@ const KERNEL: f64 = 0.02;
 const WIDER: f64 = 1.5;
 /// Largest ratio of standard deviation and mean of the points of a positive variable [1].
 const MOST_SCATTER: f64 = 5.0;
+/// Bounds of a correlation, down from 1 [1].
+const INSET: f64 = 1e-6;
 /// Points from which the most influential variable is found.
 const SCREENED: usize = 2000;
 
@@ -65,8 +68,8 @@ pub fn default_unknown(
 
 fn is_learnable(inputs: &InputModel, k: usize) -> bool {
     use Distribution as D;
-    let refused = D::is_constant(&inputs.variables()[k]) || inputs.copula.is_correlated(k);
-    !refused && !matches!(inputs.variables()[k], D::Beta(_) | D::Triangular(_) | D::Empirical(_))
+    let law = &inputs.variables()[k];
+    !law.is_constant() && !matches!(law, D::Beta(_) | D::Triangular(_) | D::Empirical(_))
 }
 
 /// The learnable variable whose standard normal has the largest correlation with the life, cut at the end of the study.
@@ -86,20 +89,36 @@ fn most_influential(model: &LifeModel, designs: &[usize]) -> Option<usize> {
     candidates.max_by(|a, b| correlation(a).total_cmp(&correlation(b)))
 }
 
-/// The unknown parameters as a space with priors.
+/// The unknown parameters as a space with priors; it has all variables that are correlated with one of it.
 pub fn space_of(
     inputs: &InputModel,
+    scene: &Scene,
     unknown: &[UnknownParameter],
     designs: &[usize],
     fixed: &[[bool; 2]],
 ) -> ParameterSpace {
-    let indices: BTreeSet<usize> = unknown.iter().map(|u| u.variable).collect();
-    let variable = |index: usize| {
+    let other = |u: &UnknownParameter| match u.moment {
+        Moment::CorrelationWith(other) => Some(other),
+        _ => None,
+    };
+    let mut indices: BTreeSet<usize> =
+        unknown.iter().flat_map(|u| std::iter::once(u.variable).chain(other(u))).collect();
+    let touches = |indices: &BTreeSet<usize>, c: &Correlation| {
+        indices.contains(&c.first) != indices.contains(&c.second)
+    };
+    while let Some(c) = scene.correlations.iter().find(|c| touches(&indices, c)) {
+        indices.extend([c.first, c.second]);
+    }
+    let given = |index: usize, moment: Moment| {
+        unknown.iter().find(|u| (u.variable, u.moment) == (index, moment)).map(|own| own.prior)
+    };
+    let variable = |index: &usize| {
+        let index = *index;
         let law = &inputs.variables()[index];
         let is_shared = designs.contains(&index);
         let prior = |moment: Moment| {
-            let own = unknown.iter().find(|u| (u.variable, u.moment) == (index, moment))?;
-            Some(if is_shared { shared_prior(law, own.prior) } else { prior_of(law, moment, own.prior) })
+            let own = given(index, moment)?;
+            Some(if is_shared { shared_prior(law, own) } else { prior_of(law, moment, own) })
         };
         let (mean, std) = (prior(Moment::Mean), prior(Moment::Std));
         let (lower, upper) = law.support();
@@ -109,7 +128,25 @@ pub fn space_of(
         let fixed = if is_shared { [true; 2] } else { fixed.get(index).copied().unwrap_or_default() };
         UncertainVariable { index, law, fixed, mean, std }
     };
-    ParameterSpace { variables: indices.into_iter().map(variable).collect() }
+    let variables: Vec<UncertainVariable> = indices.iter().map(variable).collect();
+    let pair = |(first, second): (usize, usize)| {
+        let (i, k) = (variables[first].index, variables[second].index);
+        let prior = given(i, Moment::CorrelationWith(k)).map(correlation_prior);
+        let coefficient = correlation_of(scene, i, k);
+        (prior.is_some() || coefficient != 0.0).then_some((Correlation { first, second, coefficient }, prior))
+    };
+    let pairs = (0..variables.len()).flat_map(|k| (0..k).map(move |i| (i, k)));
+    ParameterSpace { correlations: pairs.filter_map(pair).collect(), variables }
+}
+
+/// The prior of a correlation, uniform without a given one.
+fn correlation_prior(given: Option<(f64, f64)>) -> ParameterPrior {
+    let most = 1.0 - INSET;
+    let law = match given {
+        None => Distribution::uniform(-most, most),
+        Some((value, error)) => Distribution::truncated_normal(value, error, -most, most),
+    };
+    ParameterPrior { law: law.expect("checked when the file was read"), of_logarithm: false }
 }
 
 /// The prior of a value that all units share, within its range.
@@ -131,11 +168,11 @@ fn prior_of(law: &Distribution, moment: Moment, given: Option<(f64, f64)>) -> Pa
         (Some((value, error)), _) if of_logarithm => Distribution::normal(value.ln(), error / value),
         (Some((value, error)), _) => Distribution::normal(value, error),
         (None, Moment::Std) => Distribution::uniform((std / WIDE).ln(), (std * WIDE).ln()),
-        (None, Moment::Mean) if of_logarithm => {
+        (None, _) if of_logarithm => {
             let reach = (WIDE * std / mean).max(0.5);
             Distribution::uniform(mean.ln() - reach, mean.ln() + reach)
         }
-        (None, Moment::Mean) => Distribution::uniform(mean - WIDE * std, mean + WIDE * std),
+        (None, _) => Distribution::uniform(mean - WIDE * std, mean + WIDE * std),
     };
     ParameterPrior { law: prior.expect("a finite prior with a positive width"), of_logarithm }
 }
