@@ -8,23 +8,23 @@
 //!
 //! A first line that begins with `unit` is a heading; lines that begin with `#` are comments.
 
+use super::contradictions::{CONTRADICTION, contradictions};
 use super::observation::{
     FleetData, Moment, Observable, Observation, ObservedUnit, Quantity, UnknownParameter,
 };
 use crate::analyses::quantity::{output_quantity, positive};
+use crate::analyses::setting::pair_of;
 use crate::presentation::format::shortest;
 use crate::statistics::design::fixed_bounds;
 use crate::statistics::updating::is_positive_family;
 use crate::study::LifeModel;
 use common::random::Distribution;
 use common::scene::quantity::{Kind, NUMBER};
-use common::scene::{Faults, LimitState, Scene, SceneSource, Section, read_quantity, read_rows, read_text};
+use common::scene::{Faults, Scene, SceneSource, Section, read_quantity, read_rows, read_text};
 use std::path::Path;
 
 /// Columns of the file.
 const COLUMNS: [&str; 5] = ["unit", "cycles", "quantity", "value", "error"];
-/// Differences of two values of one quantity at one life that contradict each other [standard deviations].
-const CONTRADICTION: f64 = 4.0;
 
 /// Reads a file of the units of a fleet. With `designs`, the indices of the random variables that stand for design variables, rows of the
 /// unit `population` name what is not known of their population.
@@ -235,45 +235,39 @@ impl UnitReader<'_> {
         }
         let words = "VARIABLE.mean, VARIABLE.std, correlation(A B) or a design variable";
         let name = row.text("quantity", words)?;
-        let names = self.scene.variables.iter().map(|variable| variable.name.as_str());
-        let pair = name.strip_prefix("correlation(").and_then(|rest| rest.strip_suffix(')'));
-        let (variable, word) = name.rsplit_once('.').unwrap_or((name, ""));
-        let named: Vec<&str> = match pair {
-            Some(pair) => pair.split([',', ' ']).filter(|name| !name.is_empty()).collect(),
-            None => vec![variable],
-        };
-        let meant = |name: &&str| row.meant("quantity", "random variable", name, names.clone());
-        let found: Vec<usize> = named.iter().filter_map(meant).collect();
-        if found.len() < named.len() {
-            return None;
-        }
-        let is_design = found.iter().any(|k| designs.contains(k));
         let laws = self.model.inputs.variables();
-        let (k, moment) = match (&found[..], word, pair) {
-            (&[a, b], _, _) if a != b => (a.min(b), Moment::CorrelationWith(a.max(b))),
-            (&[k], "mean", None) if !is_design => (k, Moment::Mean),
-            (&[k], "std", None) if !is_design => (k, Moment::Std),
-            (&[k], "", None) if is_design => (k, Moment::Mean),
-            (_, _, None) if is_design => {
-                let what = format!("{variable} is a design variable: its row is {variable}");
-                return row.inconsistent("quantity", what).and(None);
+        if let Some(pair) = name.strip_prefix("correlation(").and_then(|rest| rest.strip_suffix(')')) {
+            let [a, b] = match pair_of(self.source, pair) {
+                Ok([a, b]) => [a.min(b), a.max(b)],
+                Err(fault) => return row.fault("quantity", fault).and(None),
+            };
+            if [a, b].iter().any(|k| designs.contains(k) || laws[*k].is_constant()) {
+                row.inconsistent(
+                    "quantity",
+                    "allowed: the correlation of variables that differ between units",
+                );
             }
-            (_, _, None) => {
-                let what = format!("allowed: {variable}.mean or {variable}.std");
-                return row.inconsistent("quantity", what).and(None);
-            }
+            let moment = Moment::CorrelationWith(b);
+            let prior = self.prior(row, NUMBER, (a, moment), false);
+            return (row.fault_count() == before).then_some(UnknownParameter { variable: a, moment, prior });
+        }
+        let (variable, word) = name.rsplit_once('.').unwrap_or((name, ""));
+        let variables = self.scene.variables.iter().map(|variable| variable.name.as_str());
+        let k = row.meant("quantity", "random variable", variable, variables)?;
+        let is_design = designs.contains(&k);
+        let moment = match (word, is_design) {
+            ("mean", false) | ("", true) => Moment::Mean,
+            ("std", false) => Moment::Std,
             _ => {
-                let what = "allowed: the correlation of two different random variables";
-                return row.inconsistent("quantity", what).and(None);
+                let of_design = format!("{variable} is a design variable: its row is {variable}");
+                let of_law = format!("allowed: {variable}.mean or {variable}.std");
+                row.inconsistent("quantity", if is_design { of_design } else { of_law });
+                return None;
             }
         };
         let refused = match &laws[k] {
-            _ if is_design && pair.is_some() => Some("is a design variable: all units have the same value"),
             _ if is_design => None,
-            _ if found.iter().any(|k| laws[*k].is_constant()) => {
-                Some("is constant in this study, which shows no influence of it")
-            }
-            _ if pair.is_some() => None,
+            Distribution::Constant(_) => Some("is constant in this study, which shows no influence of it"),
             Distribution::Beta(_) | Distribution::Triangular(_) | Distribution::Empirical(_) => Some(
                 "has a distribution whose parameters are not learned; allowed: the families with mean and std alone",
             ),
@@ -283,10 +277,9 @@ impl UnitReader<'_> {
             _ => None,
         };
         if let Some(why) = refused {
-            row.inconsistent("quantity", format!("{} {why}", named.join(" or ")));
+            row.inconsistent("quantity", format!("{variable} {why}"));
         }
-        let kind = if pair.is_some() { NUMBER } else { self.source.kind_of(variable)? };
-        let prior = self.prior(row, kind, (k, moment), is_design);
+        let prior = self.prior(row, self.source.kind_of(variable)?, (k, moment), is_design);
         (row.fault_count() == before).then_some(UnknownParameter { variable: k, moment, prior })
     }
 
@@ -358,54 +351,4 @@ impl UnitReader<'_> {
         }
         read
     }
-}
-
-/// Observations of a unit, in order, that cannot be true together: line, column and why.
-fn contradictions(unit: &ObservedUnit, scene: &Scene) -> Vec<(u64, &'static str, String)> {
-    let mut faults = Vec::new();
-    let failed = unit.failure();
-    for (place, observation) in unit.observations.iter().enumerate() {
-        let Observation { line, cycles, ref name, quantity } = *observation;
-        if let Some(failure) = failed.filter(|failure| failure.line != line) {
-            let after = match quantity {
-                Quantity::Measured { of: Observable::Variable(_), .. } => false,
-                Quantity::Survived => cycles >= failure.cycles,
-                _ => cycles > failure.cycles || matches!(quantity, Quantity::Failed { .. }),
-            };
-            if after {
-                let (unit, Observation { line: at, cycles, .. }) = (&unit.name, failure);
-                let what =
-                    format!("unit {unit} had failed by {cycles} cycles (line {at}); nothing can follow");
-                faults.push((line, "cycles", what));
-            }
-        }
-        let Quantity::Measured { of, value: other, error: f } = quantity else { continue };
-        let exceeds = |limit: &&LimitState| {
-            let beyond = limit.response(other) - limit.response_threshold();
-            of == Observable::Output(limit.output) && beyond > CONTRADICTION * f
-        };
-        let survived =
-            unit.observations.iter().rfind(|o| o.quantity == Quantity::Survived && o.cycles >= cycles);
-        if let (Some(limit), Some(later)) = (scene.limit_states.iter().find(exceeds), survived) {
-            let (unit, Observation { line: at, cycles, .. }, limit) = (&unit.name, later, &limit.name);
-            let what = format!(
-                "{name} of unit {unit} is beyond the threshold of {limit}, but it had survived {cycles} cycles (line {at})"
-            );
-            faults.push((line, "value", what));
-        }
-        for before in &unit.observations[..place] {
-            let Quantity::Measured { of: first, value: one, error: e } = before.quantity else { continue };
-            let same_life = before.cycles == cycles || matches!(of, Observable::Variable(_));
-            let (difference, error) = ((one - other).abs(), e.hypot(f));
-            if same_life && first == of && difference > CONTRADICTION * error {
-                let (unit, first, times) = (&unit.name, before.line, difference / error);
-                let what = format!(
-                    "{name} of unit {unit} contradicts line {first}: the values differ by {times:.1} standard deviations of their \
-                     errors; allowed: at most {CONTRADICTION}"
-                );
-                faults.push((line.max(first), "value", what));
-            }
-        }
-    }
-    faults
 }
