@@ -165,12 +165,6 @@ impl GaussianCopula {
         };
         row.iter().enumerate().map(term).sum()
     }
-
-    /// ln c at finite normals u `(d,)` [1].
-    pub fn log_density(&self, u: &[f64]) -> f64 {
-        let half = |k: usize| 0.5 * u[k] * self.score(k, |j| u[j]) - self.factor[k * self.d + k].ln();
-        (0..self.d).map(half).sum()
-    }
 }
 
 #[cfg(test)]
@@ -216,15 +210,6 @@ mod tests {
             assert!((copula.score(k, |j| u[j]) - exact).abs() < 1e-9, "{k}");
         }
         assert_eq!(copula.score(2, |j| u[j]), 0.0);
-    }
-
-    #[test]
-    fn the_density_of_a_pair_has_its_closed_form() {
-        let (r, a, b) = (0.7_f64, 1.3, -0.4);
-        let copula = GaussianCopula::new(3, &[correlation(0, 2, r)]).unwrap();
-        let rest = 1.0 - r * r;
-        let exact = -0.5 * rest.ln() - (r * r * (a * a + b * b) - 2.0 * r * a * b) / (2.0 * rest);
-        assert!((copula.log_density(&[a, 5.0, b]) - exact).abs() < 1e-14);
     }
 
     #[test]

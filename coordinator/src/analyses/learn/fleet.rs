@@ -12,7 +12,7 @@ use crate::analyses::update::{
 use crate::results::summary::StudySummary;
 use crate::statistics::design::{InputModel, Stream, open_stream};
 use crate::statistics::updating::{
-    Evidence, Fleet, ParameterKind, ParameterSpace, Particles, SequentialMonteCarlo, UncertainVariable,
+    Evidence, Fleet, ParameterSpace, Particles, PopulationParameter, SequentialMonteCarlo, UncertainVariable,
     UnitModel, UnitPoints, UnitPosterior, Unsupported,
 };
 use crate::study::LifeModel;
@@ -122,7 +122,8 @@ pub fn learn(
         valued.push((first.to_vec(), first.iter().sum()));
     });
     let (space, population, curves) = (&space, &population, &curves);
-    let source = DataSource { scene, space, population, sets: &sets, points: &valued, curves: &curves.total };
+    let source =
+        DataSource { scene, space, population, sets: &sets, points: &valued, curves: curves.total() };
     let parameter =
         |place: usize| parameter_row(scene, space, particles, place, settings.confidence, designs);
     let check = |(unit, weights): (&_, &Vec<f64>)| check(population, unit, weights, settings);
@@ -253,16 +254,16 @@ fn parameter_row(
     let variable = |k: usize| &scene.variables[space.variables[k].index];
     let law = |k: usize| &space.variables[k].law;
     let (name, unit, study) = match kind {
-        ParameterKind::Mean(k) if designs.contains(&space.variables[k].index) => {
+        PopulationParameter::Mean(k) if designs.contains(&space.variables[k].index) => {
             (variable(k).name.clone(), &*variable(k).unit, law(k).parent_mean())
         }
-        ParameterKind::Mean(k) => {
+        PopulationParameter::Mean(k) => {
             (format!("{}.mean", variable(k).name), &*variable(k).unit, law(k).parent_mean())
         }
-        ParameterKind::Std(k) => {
+        PopulationParameter::Std(k) => {
             (format!("{}.std", variable(k).name), &*variable(k).unit, law(k).given_std())
         }
-        ParameterKind::Correlation(Correlation { first, second, coefficient }) => {
+        PopulationParameter::Correlation(Correlation { first, second, coefficient }) => {
             (format!("correlation({},{})", variable(first).name, variable(second).name), "1", coefficient)
         }
     };

@@ -64,17 +64,14 @@ impl<'a> WeightedPopulation<'a> {
     ) -> PopulationCurves {
         let cycles: Vec<f64> = scene.life.checkpoints().into_iter().map(f64::from).collect();
         let states = self.prior.model.limit_states();
-        let by = if states > 1 { states } else { 0 };
         let own = |s: usize| self.prior.responses.lives.iter().skip(s).step_by(states).copied();
         let first = |s: usize| {
             own(s).zip(&self.lives).map(|(own, life)| if own <= *life { own } else { f64::INFINITY })
         };
-        // Lives by any limit state, then by each alone, then of the units that fail first by each.
-        let lives = std::iter::once(self.lives.clone())
-            .chain((0..by).map(|s| own(s).collect()))
-            .chain((0..by).map(|s| first(s).collect()));
-        let ordered = lives.map(|lives: Vec<f64>| (CurveDraws::order(&lives), lives));
-        let ordered: Vec<(Vec<usize>, Vec<f64>)> = ordered.collect();
+        let by_state = |s: usize| [own(s).collect(), first(s).collect()];
+        let by = if states > 1 { 0..states } else { 0..0 };
+        let lives = std::iter::once(self.lives.clone()).chain(by.flat_map(by_state));
+        let ordered: Vec<_> = lives.map(|lives: Vec<f64>| (CurveDraws::order(&lives), lives)).collect();
         let mut draws = vec![CurveDraws::new(cycles, LEVELS.to_vec()); ordered.len()];
         for (block, sets) in sets.chunks(BLOCK).enumerate() {
             let weights: Vec<Vec<f64>> =
@@ -85,30 +82,29 @@ impl<'a> WeightedPopulation<'a> {
             });
             weights.iter().enumerate().for_each(|(place, points)| of_set(block * BLOCK + place, points));
         }
-        let of_first = draws.split_off(1 + by);
-        let alone = draws.split_off(1);
-        PopulationCurves { total: draws.remove(0), by_limit_state: alone.into_iter().zip(of_first).collect() }
+        PopulationCurves(draws)
     }
 }
 
-/// Curves of many sets of parameters.
-pub struct PopulationCurves {
-    /// Those by any limit state.
-    pub total: CurveDraws,
-    /// Those by each alone, and of the units that have not failed first by it; empty with one limit state.
-    by_limit_state: Vec<(CurveDraws, CurveDraws)>,
-}
+/// Curves of many sets of parameters: by any limit state, then of each, where there are several, those by it alone and of the units that
+/// have not failed first by it.
+pub struct PopulationCurves(Vec<CurveDraws>);
 
 impl PopulationCurves {
+    /// Those by any limit state.
+    pub fn total(&self) -> &CurveDraws {
+        &self.0[0]
+    }
+
     /// The bounds at a confidence C in (0, 1).
     pub fn at_confidence(&self, scene: &Scene, confidence: f64) -> ConfidentReliability {
-        let of = |(limit, (alone, first)): (&LimitState, &(CurveDraws, CurveDraws))| {
-            let ConfidentReliability { reliability, lives, .. } = alone.at_confidence(confidence);
-            let (limit_state, first_failures) = (limit.name.clone(), first.failed(confidence));
+        let of = |(limit, draws): (&LimitState, &[CurveDraws])| {
+            let ConfidentReliability { reliability, lives, .. } = draws[0].at_confidence(confidence);
+            let (limit_state, first_failures) = (limit.name.clone(), draws[1].failed(confidence));
             ConfidentLimitState { limit_state, reliability, lives, first_failures }
         };
-        let limit_states = scene.limit_states.iter().zip(&self.by_limit_state).map(of).collect();
-        ConfidentReliability { limit_states, ..self.total.at_confidence(confidence) }
+        let limit_states = scene.limit_states.iter().zip(self.0[1..].chunks_exact(2)).map(of).collect();
+        ConfidentReliability { limit_states, ..self.total().at_confidence(confidence) }
     }
 }
 

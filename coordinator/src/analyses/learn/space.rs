@@ -17,8 +17,6 @@ const KERNEL: f64 = 0.02;
 const WIDER: f64 = 1.5;
 /// Largest ratio of standard deviation and mean of the points of a positive variable [1].
 const MOST_SCATTER: f64 = 5.0;
-/// Bounds of a correlation, down from 1 [1].
-const INSET: f64 = 1e-6;
 /// Points from which the most influential variable is found.
 const SCREENED: usize = 2000;
 
@@ -118,7 +116,7 @@ pub fn space_of(
         let is_shared = designs.contains(&index);
         let prior = |moment: Moment| {
             let own = given(index, moment)?;
-            Some(if is_shared { shared_prior(law, own) } else { prior_of(law, moment, own) })
+            Some(if is_shared { bounded_prior(law.support(), own) } else { prior_of(law, moment, own) })
         };
         let (mean, std) = (prior(Moment::Mean), prior(Moment::Std));
         let (lower, upper) = law.support();
@@ -131,7 +129,7 @@ pub fn space_of(
     let variables: Vec<UncertainVariable> = indices.iter().map(variable).collect();
     let pair = |(first, second): (usize, usize)| {
         let (i, k) = (variables[first].index, variables[second].index);
-        let prior = given(i, Moment::CorrelationWith(k)).map(correlation_prior);
+        let prior = given(i, Moment::CorrelationWith(k)).map(|own| bounded_prior((-1.0, 1.0), own));
         let coefficient = correlation_of(scene, i, k);
         (prior.is_some() || coefficient != 0.0).then_some((Correlation { first, second, coefficient }, prior))
     };
@@ -139,19 +137,8 @@ pub fn space_of(
     ParameterSpace { correlations: pairs.filter_map(pair).collect(), variables }
 }
 
-/// The prior of a correlation, uniform without a given one.
-fn correlation_prior(given: Option<(f64, f64)>) -> ParameterPrior {
-    let most = 1.0 - INSET;
-    let law = match given {
-        None => Distribution::uniform(-most, most),
-        Some((value, error)) => Distribution::truncated_normal(value, error, -most, most),
-    };
-    ParameterPrior { law: law.expect("checked when the file was read"), of_logarithm: false }
-}
-
-/// The prior of a value that all units share, within its range.
-fn shared_prior(range: &Distribution, given: Option<(f64, f64)>) -> ParameterPrior {
-    let (lower, upper) = range.support();
+/// The prior within a range of a correlation or of a value that all units share; without a given one it is uniform.
+fn bounded_prior((lower, upper): (f64, f64), given: Option<(f64, f64)>) -> ParameterPrior {
     let inset = 1e-6 * (upper - lower);
     let law = match given {
         None => Distribution::uniform(lower + inset, upper - inset),

@@ -206,6 +206,8 @@ impl UnitReader<'_> {
         let (lower, upper) = law.support();
         let is_learned = self.designs.is_some_and(|designs| !designs.contains(&k));
         let stays = match law {
+            // What a constant is in this study is refused as such.
+            Distribution::Constant(_) => [false; 2],
             Distribution::Uniform(_) => [!is_learned; 2],
             Distribution::TruncatedNormal(_) if is_learned => {
                 fixed_bounds(self.source).get(k).copied().unwrap_or_default()

@@ -133,11 +133,39 @@ impl Reweighting {
         if laws.copula.is_independent() {
             return rows.map(product).collect();
         }
+        // c = |L|^-1 exp((u'u - v'v) / 2) with u = L v.
         let normals = tables(&|law, (x, _)| law.to_standard_normal(*x).clamp(-FARTHEST, FARTHEST));
+        let d = laws.dimension();
+        let axis = |k: usize| (0..d).map(|i| f64::from(u8::from(i == k))).collect::<Vec<f64>>();
+        let log_determinant: f64 = (0..d).map(|k| laws.copula.correlate(&axis(k))[k].ln()).sum();
+        let square = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
         let weight = |places: &[f64]| {
             let u: Vec<f64> = places.iter().zip(&normals).map(value).collect();
-            product(places) * laws.copula.log_density(&u).exp()
+            let exponent = 0.5 * (square(&u) - square(&laws.copula.decorrelate(&u)));
+            product(places) * (exponent - log_determinant).exp()
         };
         rows.map(weight).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use common::random::{Correlation, GaussianCopula};
+
+    /// Points with standard normal variables under a bivariate normal: the ratio of both densities.
+    #[test]
+    fn weights_under_a_correlation_have_their_closed_form() {
+        let (r, law) = (0.7_f64, Distribution::normal(3.0, 2.0).unwrap());
+        let pair = Correlation { first: 0, second: 1, coefficient: r };
+        let laws = InputModel::new(vec![law.clone(); 2], GaussianCopula::new(2, &[pair]).unwrap());
+        let reweighting = Reweighting::new(vec![0, 2], &[law.clone(), law]);
+        let states = [1.25, 9.0, -0.5, 0.0, 9.0, 2.5];
+        let found = reweighting.weights(&laws, &reweighting.points(&states, 3));
+        for (weight, v) in found.iter().zip(states.chunks_exact(3)) {
+            let (a, b, rest) = (v[0], v[2], 1.0 - r * r);
+            let exact = (-(r * r * (a * a + b * b) - 2.0 * r * a * b) / (2.0 * rest)).exp() / rest.sqrt();
+            assert!((weight / exact - 1.0).abs() < 1e-9, "{weight} {exact}");
+        }
     }
 }

@@ -33,7 +33,7 @@ pub use confidence::{ConfidentLife, ConfidentLimitState, ConfidentReliability, C
 pub use evidence::Evidence;
 pub use hierarchy::{Fleet, Reweighting, UnitPoints};
 pub use parameters::{
-    ParameterKind, ParameterPrior, ParameterSpace, UncertainVariable, fitted_draws, is_positive_family,
+    ParameterPrior, ParameterSpace, PopulationParameter, UncertainVariable, fitted_draws, is_positive_family,
 };
 pub use particles::{Particles, Predictions};
 pub use sequential::{SequentialMonteCarlo, UnitModel, UnitPosterior, Unsupported};

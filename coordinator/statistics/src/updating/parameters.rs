@@ -89,7 +89,7 @@ impl UncertainVariable {
 
 /// What a parameter is of the variables of a space, by their places.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum ParameterKind {
+pub enum PopulationParameter {
     /// The mean of a variable.
     Mean(usize),
     /// The standard deviation.
@@ -109,11 +109,13 @@ pub struct ParameterSpace {
 
 impl ParameterSpace {
     /// The parameters with their priors: of every variable the mean, then the standard deviation; then the correlations.
-    pub fn parameters(&self) -> impl Iterator<Item = (ParameterKind, &ParameterPrior)> {
+    pub fn parameters(&self) -> impl Iterator<Item = (PopulationParameter, &ParameterPrior)> {
         let variables = self.variables.iter().enumerate();
-        let moments = variables
-            .flat_map(|(k, own)| [(ParameterKind::Mean(k), &own.mean), (ParameterKind::Std(k), &own.std)]);
-        let pairs = self.correlations.iter().map(|(pair, prior)| (ParameterKind::Correlation(*pair), prior));
+        let moments = variables.flat_map(|(k, own)| {
+            [(PopulationParameter::Mean(k), &own.mean), (PopulationParameter::Std(k), &own.std)]
+        });
+        let pairs =
+            self.correlations.iter().map(|(pair, prior)| (PopulationParameter::Correlation(*pair), prior));
         moments.chain(pairs).filter_map(|(kind, prior)| Some((kind, prior.as_ref()?)))
     }
 
