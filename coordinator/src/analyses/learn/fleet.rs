@@ -253,12 +253,10 @@ fn parameter_row(
     let (kind, prior) = space.parameters().nth(place).expect("a parameter of the space");
     let variable = |k: usize| &scene.variables[space.variables[k].index];
     let law = |k: usize| &space.variables[k].law;
+    let word = |k: usize| if designs.contains(&space.variables[k].index) { "" } else { ".mean" };
     let (name, unit, study) = match kind {
-        PopulationParameter::Mean(k) if designs.contains(&space.variables[k].index) => {
-            (variable(k).name.clone(), &*variable(k).unit, law(k).parent_mean())
-        }
         PopulationParameter::Mean(k) => {
-            (format!("{}.mean", variable(k).name), &*variable(k).unit, law(k).parent_mean())
+            (format!("{}{}", variable(k).name, word(k)), &*variable(k).unit, law(k).parent_mean())
         }
         PopulationParameter::Std(k) => {
             (format!("{}.std", variable(k).name), &*variable(k).unit, law(k).given_std())

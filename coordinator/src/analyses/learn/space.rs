@@ -20,20 +20,25 @@ const MOST_SCATTER: f64 = 5.0;
 /// Points from which the most influential variable is found.
 const SCREENED: usize = 2000;
 
-/// Distributions of the random variables of a study in the order of its simulations, those of `present` by name, and the indices of
-/// its design variables, which `present` does not have, or as constants.
-pub fn laws_of(studied: &Scene, present: &Scene) -> (Vec<Distribution>, Vec<usize>) {
-    let is_constant = |variable: &RandomVariable| variable.distribution.is_constant();
-    let own = |variable: &RandomVariable| {
-        present
-            .variables
-            .iter()
-            .find(|own| own.name == variable.name && (!is_constant(own) || is_constant(variable)))
-    };
-    let law = |variable| own(variable).unwrap_or(variable).distribution.clone();
-    let laws = studied.variables.iter().map(law).collect();
-    let designs = (0..studied.variables.len()).filter(|k| own(&studied.variables[*k]).is_none());
-    (laws, designs.collect())
+/// The scene of a study whose random variables have the distributions and correlations of `present`, by name, and the indices of its
+/// design variables, which `present` does not have, or as constants: over all designs they correlate with variables that follow them.
+pub fn scene_of_units(studied: &Scene, present: &Scene) -> (Scene, Vec<usize>) {
+    let (mut scene, mut designs) = (studied.clone(), vec![]);
+    for (k, variable) in scene.variables.iter_mut().enumerate() {
+        let is_own = |own: &&RandomVariable| {
+            let is_varying = !own.distribution.is_constant() || variable.distribution.is_constant();
+            own.name == variable.name && is_varying
+        };
+        match present.variables.iter().find(is_own) {
+            Some(own) => variable.distribution = own.distribution.clone(),
+            None => designs.push(k),
+        }
+    }
+    let place = |k: usize| studied.variables.iter().position(|own| own.name == present.variables[k].name);
+    let moved =
+        |c: &Correlation| Some(Correlation { first: place(c.first)?, second: place(c.second)?, ..*c });
+    scene.correlations = present.correlations.iter().filter_map(moved).collect();
+    (scene, designs)
 }
 
 /// What is not known where a file names nothing: the parameters of the variables that were measured and, if lives or outputs were
