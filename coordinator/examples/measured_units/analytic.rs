@@ -11,9 +11,10 @@
 //! | `prior` | 0.37 | drawn from stated priors, under which intervals are exact |
 
 use super::{SEED, Study, fleets};
-use common::random::standard_normal_quantile;
+use common::random::{standard_normal_cdf, standard_normal_quantile};
 use common::scene::SceneSource;
 use coordinator::statistics::design::{InputModel, Population};
+use coordinator::statistics::life_data::UnitLife;
 use coordinator::study::{Observed, Settings, StoredOutcome, learn_from_results, result_of};
 use rand_chacha::ChaCha12Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -62,7 +63,68 @@ pub fn run(case: &str, fleets: usize) -> Result<(), Box<dyn Error>> {
         population,
         fleets,
         &[format!("rate.mean,{}", prior(0)), format!("rate.std,{}", prior(1))],
+        Some(&|data, error, confidence, levels| exact(of_load, is_prior, data, error, confidence, levels)),
     )
+}
+
+/// Nodes of the quadrature over each of both parameters.
+const NODES: u32 = 160;
+
+/// Intervals of the lives at `levels` with the confidence `c`, by quadrature of the posterior of mean and spread of the rate.
+fn exact(
+    of_load: f64,
+    is_prior: bool,
+    data: &[UnitLife],
+    error: f64,
+    c: f64,
+    levels: &[f64],
+) -> Vec<[f64; 2]> {
+    // Ranges of the logarithms: those of the flat priors, or five standard deviations of the stated ones.
+    let reaches = if is_prior {
+        [0, 1].map(|k| 5.0 * PRIOR_ERRORS[k] / RATE[k])
+    } else {
+        [0.5_f64.max(5.0 * RATE[1] / RATE[0]), 5.0_f64.ln()]
+    };
+    let node = |k: usize, i: u32| {
+        let off = reaches[k] * (2.0 * (f64::from(i) + 0.5) / f64::from(NODES) - 1.0);
+        let prior = if is_prior { -0.5 * (off / PRIOR_ERRORS[k] * RATE[k]).powi(2) } else { 0.0 };
+        (RATE[k] * off.exp(), prior)
+    };
+    let mut posterior = Vec::new();
+    for (i, j) in (0..NODES).flat_map(|i| (0..NODES).map(move |j| (i, j))) {
+        let [(mean, of_mean), (std, of_std)] = [node(0, i), node(1, j)];
+        let of_rate = (std / mean).powi(2).ln_1p();
+        let (centre, variance) =
+            ((1000.0 * LIMIT / mean).ln() + 0.5 * (of_rate + of_load), of_rate + of_load);
+        let of_unit = |unit: &UnitLife| match *unit {
+            UnitLife::Failed(t) => {
+                let with_error = variance + (error / t).powi(2);
+                -0.5 * (t.ln() - centre).powi(2) / with_error - 0.5 * with_error.ln()
+            }
+            UnitLife::Running(t) | UnitLife::Interval(_, t) => {
+                standard_normal_cdf((centre - t.ln()) / variance.sqrt()).max(1e-300).ln()
+            }
+        };
+        posterior.push((of_mean + of_std + data.iter().map(of_unit).sum::<f64>(), centre, variance.sqrt()));
+    }
+    let largest = posterior.iter().map(|(ln, _, _)| *ln).fold(f64::NEG_INFINITY, f64::max);
+    let interval = |level: &f64| {
+        let z = standard_normal_quantile(1.0 - level);
+        let life =
+            |(ln, centre, spread): &(f64, f64, f64)| ((centre + z * spread).exp(), (ln - largest).exp());
+        let mut lives: Vec<(f64, f64)> = posterior.iter().map(life).collect();
+        lives.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        let total: f64 = lives.iter().map(|(_, w)| w).sum();
+        [0.5 * (1.0 - c), 0.5 * (1.0 + c)].map(|p| {
+            let mut sum = 0.0;
+            let reached = lives.iter().find(|(_, w)| {
+                sum += w;
+                sum >= p * total
+            });
+            reached.map_or(f64::NAN, |(life, _)| *life)
+        })
+    };
+    levels.iter().map(interval).collect()
 }
 
 fn normal(rng: &mut ChaCha12Rng) -> f64 {

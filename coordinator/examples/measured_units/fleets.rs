@@ -1,4 +1,5 @@
-//! Coverage of the lives that `coordinator learn` states from a fleet, and the width of their intervals beside those of a Weibull fit.
+//! Coverage of the lives that `coordinator learn` states from a fleet, and the width of their intervals beside those of a Weibull fit and,
+//! where the posterior is known, the exact ones.
 //!
 //! A fleet has twenty units of a population that may differ from that of the study. Each is observed up to a life of its own,
 //! drawn so that three fifths of the units are still running then.
@@ -38,16 +39,29 @@ struct Level {
     weibull_held: usize,
     /// Widths over those of the Weibull fit, where it has one [1].
     widths: Vec<f64>,
+    /// Widths over the exact ones, and the number of these that hold the life.
+    over_exact: Vec<f64>,
+    exact_held: usize,
 }
 
 impl Level {
-    fn compare(&mut self, truth: f64, lives: &[ConfidentLife], weibull: Option<&WeibullFit>) {
+    fn compare(
+        &mut self,
+        truth: f64,
+        lives: &[ConfidentLife],
+        weibull: Option<&WeibullFit>,
+        exact: Option<[f64; 2]>,
+    ) {
         let is_own = |life: &&ConfidentLife| (life.reliability - self.reliability).abs() < 1e-9;
         let Some(ConfidentLife { interval: [lower, upper], .. }) = lives.iter().find(is_own) else { return };
         let (ends, begins) = (upper.is_some_and(|high| high < truth), lower.is_none_or(|low| low > truth));
         self.before += usize::from(ends);
         self.after += usize::from(begins);
         self.held += usize::from(!ends && !begins);
+        if let (Some([low, high]), Some(lower), Some(upper)) = (exact, lower, upper) {
+            self.exact_held += usize::from(low <= truth && truth <= high);
+            self.over_exact.push((upper - lower) / (high - low));
+        }
         let bounds = weibull.map(|fit| fit.life(self.reliability, CONFIDENCE).likelihood_ratio);
         let (Some([Some(low), Some(high)]), Some(lower), Some(upper)) = (bounds, lower, upper) else {
             return;
@@ -57,6 +71,9 @@ impl Level {
     }
 }
 
+/// Intervals of the lives at the levels with the confidence given, from the lives of units and the error of a failure, in closed form.
+pub type ExactLives<'a> = &'a dyn Fn(&[UnitLife], f64, f64, &[f64]) -> Vec<[f64; 2]>;
+
 /// Prints how often the intervals contain the lives of fleets' populations, each of which is a number of lives, ascending; `unknown` are
 /// the rows of what is not known, without their first two columns.
 pub fn run(
@@ -64,6 +81,7 @@ pub fn run(
     mut population: impl FnMut(&mut ChaCha12Rng) -> Vec<f64>,
     fleets: usize,
     unknown: &[String],
+    exact: Option<ExactLives<'_>>,
 ) -> Result<(), Box<dyn Error>> {
     let (source, settings, summary, stored) = study;
     let scene = source.nominal();
@@ -78,6 +96,8 @@ pub fn run(
         after: 0,
         weibull_held: 0,
         widths: vec![],
+        over_exact: vec![],
+        exact_held: 0,
     });
     let mut rng = ChaCha12Rng::seed_from_u64(super::SEED);
     let (mut without, begun) = (0, Instant::now());
@@ -118,8 +138,9 @@ pub fn run(
             }
         };
         let weibull = WeibullFit::new(&data).ok();
-        for (seen, truth) in levels.iter_mut().zip(truths) {
-            seen.compare(truth, &found, weibull.as_ref());
+        let intervals = exact.map(|exact| exact(&data, error, CONFIDENCE, &LEVELS));
+        for (k, (seen, truth)) in levels.iter_mut().zip(truths).enumerate() {
+            seen.compare(truth, &found, weibull.as_ref(), intervals.as_ref().map(|all| all[k]));
         }
     }
     std::fs::remove_dir_all(&folder)?;
@@ -128,8 +149,11 @@ pub fn run(
         "{answers} fleets of {UNITS} units in {:.0} s, {without} without an answer",
         begun.elapsed().as_secs_f64()
     );
-    for Level { reliability, held, before, after, weibull_held, mut widths } in levels {
+    for Level { reliability, held, before, after, weibull_held, mut widths, mut over_exact, exact_held } in
+        levels
+    {
         widths.sort_unstable_by(f64::total_cmp);
+        over_exact.sort_unstable_by(f64::total_cmp);
         println!(
             "R = {reliability}: the {:.0} % interval holds the life of {:.1} % of the fleets, ends before that of {:.1} % and begins \
              after that of {:.1} %; Weibull's holds that of {:.1} % of {}; width over Weibull's: median {:.2}",
@@ -141,6 +165,12 @@ pub fn run(
             widths.len(),
             widths.get(widths.len() / 2).copied().unwrap_or(f64::NAN),
         );
+        if let Some(median) = over_exact.get(over_exact.len() / 2) {
+            let held = 100.0 * exact_held as f64 / over_exact.len() as f64;
+            println!(
+                "    the exact interval holds that of {held:.1} %; width over the exact one: median {median:.3}"
+            );
+        }
     }
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! Coverage of the remaining lives that `coordinator update` states: units of a direct Monte Carlo study are measured with noise,
 //! and their true remaining lives, which that study simulated, are compared with the stated intervals. With a number of fleets the
-//! coverage of the lives that `coordinator learn` states, see `fleets`.
+//! coverage of the lives that `coordinator learn` states, see `fleets`; with `samples` that of `--confidence`.
 //!
 //! ```sh
 //! coordinator run four-bar --accuracy draft --out study
@@ -11,11 +11,13 @@
 //!     --seed 11 --out changed
 //! cargo run --release -p coordinator --example measured_units study changed 300 wear_coefficient.mean wear_coefficient.std
 //! cargo run --release -p coordinator --example measured_units analytic third 300
+//! cargo run --release -p coordinator --example measured_units samples 10 200
 //! ```
 
 mod analytic;
 mod fleets;
 mod prognosis;
+mod samples;
 
 use common::scene::{Scene, SceneSource};
 use coordinator::analyses::update::{
@@ -40,10 +42,10 @@ const SEED: u64 = 2026;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    if let [first, case, fleets] = arguments.as_slice()
-        && first == "analytic"
-    {
-        return analytic::run(case, fleets.parse()?);
+    match arguments.as_slice() {
+        [first, case, fleets] if first == "analytic" => return analytic::run(case, fleets.parse()?),
+        [first, n, count] if first == "samples" => return samples::run(n.parse()?, count.parse()?),
+        _ => {}
     }
     let [study, direct, fleets @ ..] = arguments.as_slice() else {
         return Err("expected two folders: a study by active learning, and a direct Monte Carlo study".into());
@@ -59,7 +61,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 let mut lives: Vec<f64> = units.map(|unit| life(scene, unit)).collect();
                 lives.sort_unstable_by(f64::total_cmp);
                 let unknown: Vec<String> = rest.iter().map(|name| format!("{name},,")).collect();
-                fleets::run(&study, |_| lives.clone(), first.parse()?, &unknown)
+                fleets::run(&study, |_| lives.clone(), first.parse()?, &unknown, None)
             }
         };
     }

@@ -169,17 +169,26 @@ fn distribution(source: &SceneSource, key: &str) -> Result<Place, FaultKind> {
 }
 
 fn correlation(source: &SceneSource, names: &str, key: &str, value: Value) -> Result<Setting, FaultKind> {
-    let names: Vec<&str> = names.split(',').map(str::trim).collect();
+    let pair = pair_of(source, names)?;
+    let names = pair.map(|k| source.variables()[k].name.as_str());
+    let [i, k] = pair;
+    Ok((Place::Correlation([i.min(k), i.max(k)]), correlation_row(names, key, value)))
+}
+
+/// Indices of two random variables named as `A,B` or `A B`.
+///
+/// # Errors
+/// What is allowed.
+pub fn pair_of(source: &SceneSource, names: &str) -> Result<[usize; 2], FaultKind> {
+    let names: Vec<&str> = names.split([',', ' ']).filter(|name| !name.is_empty()).collect();
     let [first, second] = names[..] else {
-        return refuse("expected two random variables, e.g. correlation(rod_length,friction)=0.5");
+        return refuse("expected two random variables, e.g. correlation(rod_length,friction)");
     };
     if first == second {
         return refuse("expected two different random variables");
     }
     let index = |name: &str| source.variable(name).ok_or_else(|| source.unknown_setting(name));
-    let (i, k) = (index(first)?, index(second)?);
-    let place = Place::Correlation([i.min(k), i.max(k)]);
-    Ok((place, correlation_row([first, second], key, value)))
+    Ok([index(first)?, index(second)?])
 }
 
 /// A row of the list of correlations, with its value at the key `coefficient` or `rank`.

@@ -5,7 +5,9 @@ use super::{
     CommandError, Destination, Done, FarmArguments, OpenedStudy, Verbosity, answer_with, positive, share,
 };
 use clap::Args;
-use coordinator::analyses::learn::{LearnReport, LearnSettings, answer, laws_of, learn as learn_fleet};
+use coordinator::analyses::learn::{
+    LearnReport, LearnSettings, answer, learn as learn_fleet, scene_of_units,
+};
 use coordinator::analyses::update::read_fleet;
 use coordinator::statistics::design::{InputModel, fixed_bounds};
 use std::path::PathBuf;
@@ -13,8 +15,8 @@ use std::path::PathBuf;
 pub const EXAMPLES: &str = "\
 The file has one observation a line, as that of `update`: unit, cycles, quantity, value, standard deviation of its error. A failure has \
 as value the limit state and as error that of its life, where they are known. Rows of the unit `population` name what is not known: \
-VARIABLE.mean, VARIABLE.std or a design variable of the study, with value and standard deviation of its prior, or without both for a \
-flat one. Rows of the unit `price` have as value what one more unit run to failure (`failed`), or one measured value, costs:
+VARIABLE.mean, VARIABLE.std, correlation(A B) or a design variable of the study, with value and standard deviation of its prior, or \
+without both for a flat one. Rows of the unit `price` have as value what one more unit run to failure (`failed`), or one measured value, costs:
 
   unit,       cycles, quantity,       value,    error
   population, ,       friction.mean,  0.05,     0.01
@@ -96,13 +98,12 @@ fn learned(opened: &OpenedStudy, arguments: &LearnArguments) -> Done<LearnReport
     let present = opened.present()?;
     let model = opened.life_model()?;
     let (studied, summary) = (opened.study.scene(), &opened.summary);
-    let (laws, designs) = laws_of(studied, present.nominal());
-    let inputs = InputModel::new(laws, model.inputs.copula.clone());
-    let model = model.redistributed(inputs);
+    let (scene, designs) = scene_of_units(studied, present.nominal());
+    let model = model.redistributed(InputModel::from_scene(&scene));
     let data = read_fleet(&arguments.data, &opened.study.source, &model, Some(&designs))?;
     let mut settings = LearnSettings::new(opened.study.settings.seed);
     settings.sets = arguments.sets;
     settings.confidence = arguments.confidence;
-    learn_fleet(studied, summary, model, &data, &designs, &fixed_bounds(&opened.study.source), &settings)
+    learn_fleet(&scene, summary, model, &data, &designs, &fixed_bounds(&opened.study.source), &settings)
         .map_err(|error| CommandError::refused(arguments.data.display(), error.to_string()))
 }

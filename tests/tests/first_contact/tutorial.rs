@@ -101,6 +101,15 @@ fn every_command_runs_and_leaves_what_the_text_says() {
     assert!(text("tight.toml") != text("press.toml"));
 }
 
+/// The fleet has an origin: the program that the tutorial names prints the same file.
+#[test]
+fn the_fleet_is_that_of_its_program() {
+    assert!(TUTORIAL.contains("--example fleet"));
+    let made = Command::new(program("examples/fleet")).output().expect("the example runs");
+    let shown = std::fs::read_to_string(followed().join("fleet.csv")).unwrap();
+    assert_eq!(String::from_utf8_lossy(&made.stdout), shown);
+}
+
 /// The orbit in the report and the wear in the same report tell of the same bore.
 #[test]
 fn a_journal_reaches_into_the_bore_as_far_as_it_is_worn() {

@@ -7,9 +7,8 @@
 use super::population::WeightedPopulation;
 use super::result::{DataValue, LearnSettings};
 use crate::analyses::update::{FleetData, Observable, Observation, ObservedUnit, Quantity};
-use crate::statistics::design::{Stream, open_stream};
+use crate::statistics::design::{InputModel, Stream, open_stream};
 use crate::statistics::updating::{CurveDraws, ParameterSpace};
-use common::random::Distribution;
 use common::scene::Scene;
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution as _, StandardNormal};
@@ -35,7 +34,7 @@ pub struct DataSource<'a> {
     /// Population of the study with its weights.
     pub population: &'a WeightedPopulation<'a>,
     /// Weight and distributions of every set `(P)`.
-    pub sets: &'a [(f64, Vec<Distribution>)],
+    pub sets: &'a [(f64, InputModel)],
     /// Weights of the first points under every set, and their sum `(P)(n,)`.
     pub points: &'a [(Vec<f64>, f64)],
     /// Curves and lives of every set.
@@ -90,9 +89,11 @@ pub fn values_of(
         }
     }
     let variables = source.space.variables.iter().enumerate();
-    kinds.extend(variables.filter(|(_, v)| !designs.contains(&v.index)).map(|(place, v)| {
-        (format!("{UNITS} measured values of {}", scene.variables[v.index].name), Kind::Values(place))
-    }));
+    kinds.extend(variables.filter(|(_, v)| !v.is_known() && !designs.contains(&v.index)).map(
+        |(place, v)| {
+            (format!("{UNITS} measured values of {}", scene.variables[v.index].name), Kind::Values(place))
+        },
+    ));
     let narrowing = |kind: &Kind, number: u32| {
         let mut rng = open_stream(settings.units.seed, Stream::Parameters(1000 + number));
         1.0 - width(&source.weights_after(kind, &before, &mut rng)) / now
@@ -157,8 +158,9 @@ impl DataSource<'_> {
     fn likelihoods(&self, kind: &Kind, truth: usize, rng: &mut impl Rng) -> Vec<f64> {
         let noise: f64 = StandardNormal.sample(rng);
         if let Kind::Values(place) = *kind {
-            let x = self.sets[truth].1[place].quantile(rng.random::<f64>().clamp(1e-12, 1.0 - 1e-12));
-            return self.sets.iter().map(|(_, laws)| laws[place].pdf(x)).collect();
+            let x =
+                self.sets[truth].1.variables()[place].quantile(rng.random::<f64>().clamp(1e-12, 1.0 - 1e-12));
+            return self.sets.iter().map(|(_, laws)| laws.variables()[place].pdf(x)).collect();
         }
         let own = choose(&self.points[truth].0, rng);
         let n = self.points[truth].0.len();

@@ -10,13 +10,13 @@ use crate::analyses::update::{
     FleetData, Observation, ObservationRow, ObservedUnit, evidence_of, outputs_of, posterior, warning,
 };
 use crate::results::summary::StudySummary;
-use crate::statistics::design::{Stream, open_stream};
+use crate::statistics::design::{InputModel, Stream, open_stream};
 use crate::statistics::updating::{
-    Evidence, Fleet, ParameterSpace, Particles, SequentialMonteCarlo, UncertainVariable, UnitModel,
-    UnitPoints, UnitPosterior, Unsupported,
+    Evidence, Fleet, ParameterSpace, Particles, PopulationParameter, SequentialMonteCarlo, UncertainVariable,
+    UnitModel, UnitPoints, UnitPosterior, Unsupported,
 };
 use crate::study::LifeModel;
-use common::random::{Distribution, RandomVariable};
+use common::random::{Correlation, Distribution};
 use common::scene::Scene;
 use rand_distr::{Distribution as _, StandardNormal};
 use rayon::prelude::*;
@@ -61,7 +61,7 @@ pub fn learn(
     let settings = &settings;
     let ranges: Vec<(f64, f64)> = model.inputs.variables().iter().map(|law| law.support()).collect();
     let known = model.inputs.variables().to_vec();
-    let space = space_of(&model.inputs, &unknown, designs, fixed);
+    let space = space_of(&model.inputs, scene, &unknown, designs, fixed);
     let indices: Vec<usize> = space.variables.iter().map(|variable| variable.index).collect();
     let dimension = space.dimension();
     let mut rng = open_stream(settings.units.seed, Stream::Parameters(0));
@@ -76,11 +76,14 @@ pub fn learn(
         (0..space.variables.len()).map(of_variable).collect()
     };
     let redistributed = |model: LifeModel, moments: &[Vec<(f64, [f64; 2])>]| {
-        let of = |(UncertainVariable { law, index, .. }, sets): (&UncertainVariable, &Vec<_>)| {
-            proposal(law, designs.contains(index).then(|| ranges[*index]), sets)
+        let of = |(own, sets): (&UncertainVariable, &Vec<_>)| {
+            if own.is_known() {
+                return own.law.clone();
+            }
+            proposal(&own.law, designs.contains(&own.index).then(|| ranges[own.index]), sets)
         };
         let proposals: Vec<Distribution> = space.variables.iter().zip(moments).map(of).collect();
-        model_of(model, &indices, &proposals)
+        model_of(model, scene, &indices, &proposals)
     };
     let mut model = redistributed(model, &moments_by_variable(&normals(SETS), &|_| 1.0));
     let mut pass = 1;
@@ -95,14 +98,10 @@ pub fn learn(
         }
         pass += 1;
     };
-    let mut one_more = known.clone();
-    for (variable, sets) in space.variables.iter().zip(&moments) {
-        let [mean, std] = moments_of(sets);
-        one_more[variable.index] = variable.law_at(mean, std).unwrap_or_else(|_| variable.law.clone());
-    }
     let particles = &found.particles;
+    let one_more = one_more(scene, &known, &space, particles, &moments);
     let set = |t: usize| Some((particles.weights[t], space.laws(particles.state(t))?));
-    let sets: Vec<(f64, Vec<Distribution>)> = (0..particles.len()).filter_map(set).collect();
+    let sets: Vec<(f64, InputModel)> = (0..particles.len()).filter_map(set).collect();
     let mut wanted = outputs_of(&data.units);
     wanted.extend(scene.limit_states.iter().map(|limit| limit.output));
     wanted.sort_unstable();
@@ -123,7 +122,8 @@ pub fn learn(
         valued.push((first.to_vec(), first.iter().sum()));
     });
     let (space, population, curves) = (&space, &population, &curves);
-    let source = DataSource { scene, space, population, sets: &sets, points: &valued, curves };
+    let source =
+        DataSource { scene, space, population, sets: &sets, points: &valued, curves: curves.total() };
     let parameter =
         |place: usize| parameter_row(scene, space, particles, place, settings.confidence, designs);
     let check = |(unit, weights): (&_, &Vec<f64>)| check(population, unit, weights, settings);
@@ -132,7 +132,7 @@ pub fn learn(
         scene: scene.name.clone(),
         evaluations: 0,
         units: data.units.len(),
-        confident: curves.at_confidence(settings.confidence),
+        confident: curves.at_confidence(scene, settings.confidence),
         before: None,
         one_more,
         study: summary.reliability.clone(),
@@ -147,6 +147,29 @@ pub fn learn(
         acceptance: found.acceptance,
         passes: pass,
     })
+}
+
+/// Distributions of the variables of one more unit, and their correlations.
+fn one_more(
+    scene: &Scene,
+    known: &[Distribution],
+    space: &ParameterSpace,
+    particles: &Particles,
+    moments: &[Vec<(f64, [f64; 2])>],
+) -> (Vec<Distribution>, Vec<Correlation>) {
+    let mut laws = known.to_vec();
+    for (variable, sets) in space.variables.iter().zip(moments) {
+        let [mean, std] = moments_of(sets);
+        laws[variable.index] = variable.law_at(mean, std).unwrap_or_else(|_| variable.law.clone());
+    }
+    let index = |place: usize| space.variables[place].index;
+    let mean = |(place, (pair, _)): (usize, &(Correlation, _))| {
+        let coefficient = particles.mean(|t| space.correlations(particles.state(t))[place].coefficient);
+        Correlation { first: index(pair.first), second: index(pair.second), coefficient }
+    };
+    let own: Vec<usize> = space.variables.iter().map(|variable| variable.index).collect();
+    let others = scene.correlations.iter().filter(|c| !own.contains(&c.first)).copied();
+    (laws, others.chain(space.correlations.iter().enumerate().map(mean)).collect())
 }
 
 /// The posterior from one population of points, and the median effective number of these under it.
@@ -167,25 +190,31 @@ fn pass_of(
     let updated: Vec<Result<UnitPosterior, Unsupported>> = units.par_iter().enumerate().map(update).collect();
     let points = population.points.clone();
     let mut sets = vec![UnitPoints { units: vec![], weights: vec![], points, is_population: true }];
+    let mut excluded = Vec::new();
     for (number, found) in updated.into_iter().enumerate() {
-        let found = found.map_err(|Unsupported { place, resolution }| {
-            let (unit, Observation { line, name, .. }) =
-                (&units[number].name, &units[number].observations[place]);
-            let fault = format!(
-                "{name} of unit {unit} agrees with no point of the model, whatever the population: its probability is below \
-                 {resolution:.1e} (95 %)"
-            );
-            RefusedQuestion::new(format!("line {line}"), fault)
-        })?;
-        let Particles { states, weights, .. } = found.particles;
-        if found.stages == 0 {
-            sets[0].units.push(number);
-            sets[0].weights.push(weights);
-        } else {
-            let points = population.reweighting.points(&states, width);
-            let (units, weights) = (vec![number], vec![weights]);
-            sets.push(UnitPoints { units, weights, points, is_population: false });
-        }
+        let Particles { states, weights, .. } = match found {
+            Ok(found) if found.stages == 0 => {
+                sets[0].units.push(number);
+                sets[0].weights.push(found.particles.weights);
+                continue;
+            }
+            Ok(found) => found.particles,
+            Err(Unsupported { place, resolution }) => {
+                let (unit, Observation { line, name, .. }) =
+                    (&units[number].name, &units[number].observations[place]);
+                excluded.push(format!(
+                    "line {line}: {name} of unit {unit} agrees with no point of the model, whatever the population: its probability is \
+                     below {resolution:.1e} (95 %)"
+                ));
+                continue;
+            }
+        };
+        let points = population.reweighting.points(&states, width);
+        let (units, weights) = (vec![number], vec![weights]);
+        sets.push(UnitPoints { units, weights, points, is_population: false });
+    }
+    if !excluded.is_empty() {
+        return Err(RefusedQuestion::new("what was observed", excluded.join("; ")));
     }
     let fleet =
         Fleet { space: space.clone(), reweighting: population.reweighting.clone(), sets, units: units.len() };
@@ -221,22 +250,33 @@ fn parameter_row(
     confidence: f64,
     designs: &[usize],
 ) -> LearnedParameter {
-    let both = space.variables.iter().flat_map(|own| [(own, "mean", &own.mean), (own, "std", &own.std)]);
-    let mut unknown = both.filter_map(|(own, word, prior)| Some((own, word, prior.as_ref()?)));
-    let (own, word, prior) = unknown.nth(place).expect("a parameter of the space");
-    let RandomVariable { name, unit, .. } = &scene.variables[own.index];
+    let (kind, prior) = space.parameters().nth(place).expect("a parameter of the space");
+    let variable = |k: usize| &scene.variables[space.variables[k].index];
+    let law = |k: usize| &space.variables[k].law;
+    let word = |k: usize| if designs.contains(&space.variables[k].index) { "" } else { ".mean" };
+    let (name, unit, study) = match kind {
+        PopulationParameter::Mean(k) => {
+            (format!("{}{}", variable(k).name, word(k)), &*variable(k).unit, law(k).parent_mean())
+        }
+        PopulationParameter::Std(k) => {
+            (format!("{}.std", variable(k).name), &*variable(k).unit, law(k).given_std())
+        }
+        PopulationParameter::Correlation(Correlation { first, second, coefficient }) => {
+            (format!("correlation({},{})", variable(first).name, variable(second).name), "1", coefficient)
+        }
+    };
     let value = |t: usize| prior.value(particles.state(t)[place]);
     let mean = particles.mean(value);
     let std = particles.mean(|t| (value(t) - mean).powi(2)).sqrt();
     let q = particles.quantiles(&[0.5, 0.5 * (1.0 - confidence), 0.5 * (1.0 + confidence)], value);
     LearnedParameter {
-        name: if designs.contains(&own.index) { name.clone() } else { format!("{name}.{word}") },
-        unit: unit.clone(),
+        name,
+        unit: unit.to_owned(),
         mean,
         std,
         median: q[0],
         interval: [q[1], q[2]],
-        study: if word == "mean" { own.law.parent_mean() } else { own.law.given_std() },
+        study,
         prior: [-1.644_854, 1.644_854].map(|u| prior.value(u)),
         is_flat: matches!(prior.law, Distribution::Uniform(_)),
     }

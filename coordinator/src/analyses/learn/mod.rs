@@ -13,10 +13,11 @@
 //! | `data_value` | which further data would narrow the bound most |
 //! | `result`, `text` | settings and answer |
 //!
-//! The surrogates' errors count as scatter between units: an error that all units share is not in the bounds. Unknown correlations
-//! are not learned.
+//! The surrogates' errors count as scatter between units: an error that all units share is not in the bounds.
 
 mod data_value;
+#[cfg(test)]
+mod dependence_tests;
 mod fleet;
 mod population;
 mod result;
@@ -28,5 +29,5 @@ mod text;
 pub use fleet::learn;
 pub use population::{fitted_reliability, uncertain_fits};
 pub use result::{LearnReport, LearnSettings};
-pub use space::laws_of;
+pub use space::scene_of_units;
 pub use text::{answer, confident_answer, confident_figure, confident_parts};

@@ -3,10 +3,12 @@
 use super::space::proposal;
 use crate::analyses::update::Prior;
 use crate::statistics::design::{InputModel, Stream, open_stream};
-use crate::statistics::updating::{ConfidentReliability, CurveDraws, Reweighting, fitted_draws};
+use crate::statistics::updating::{
+    ConfidentLimitState, ConfidentReliability, CurveDraws, Reweighting, fitted_draws,
+};
 use crate::study::{LEVELS, LifeModel};
-use common::random::Distribution;
-use common::scene::{MeasuredVariable, Scene};
+use common::random::{Correlation, Distribution, GaussianCopula};
+use common::scene::{LimitState, MeasuredVariable, Scene};
 use rayon::prelude::*;
 
 /// Sets of parameters, and points of the population.
@@ -15,14 +17,17 @@ const POINTS: usize = 20_000;
 /// Sets of parameters whose weights are held at once.
 const BLOCK: usize = 32;
 
-/// The model whose changed variables have the distributions of their points.
-pub fn model_of(model: LifeModel, indices: &[usize], proposals: &[Distribution]) -> LifeModel {
+/// The model whose changed variables have the distributions of their points, independent of each other; no variable of `scene` beside
+/// them is correlated with one.
+pub fn model_of(model: LifeModel, scene: &Scene, indices: &[usize], proposals: &[Distribution]) -> LifeModel {
+    let is_kept = |c: &&Correlation| !indices.contains(&c.first) && !indices.contains(&c.second);
+    let kept: Vec<Correlation> = scene.correlations.iter().filter(is_kept).copied().collect();
     let mut laws = model.inputs.variables().to_vec();
     for (k, law) in indices.iter().zip(proposals) {
         laws[*k] = law.clone();
     }
-    let inputs = InputModel::new(laws, model.inputs.copula.clone());
-    model.redistributed(inputs)
+    let copula = GaussianCopula::new(laws.len(), &kept).expect("a part of correlations that exist");
+    model.redistributed(InputModel::new(laws, copula))
 }
 
 /// A population with its lives and its places in the tables of the weights.
@@ -49,26 +54,57 @@ impl<'a> WeightedPopulation<'a> {
         Self { prior, reweighting, points, lives }
     }
 
-    /// R at the checkpoints and the lives at the levels of a study under the sets of distributions `(weight, (K,))`. `of_set` receives
+    /// R at the checkpoints and the lives at the levels of a study under the sets of distributions `(weight, K variables)`. `of_set` receives
     /// index and weights `(N,)` of every set.
     pub fn curves(
         &self,
         scene: &Scene,
-        sets: &[(f64, Vec<Distribution>)],
+        sets: &[(f64, InputModel)],
         mut of_set: impl FnMut(usize, &[f64]),
-    ) -> CurveDraws {
-        let cycles = scene.life.checkpoints().into_iter().map(f64::from).collect();
-        let mut draws = CurveDraws::new(cycles, LEVELS.to_vec());
-        let order = CurveDraws::order(&self.lives);
+    ) -> PopulationCurves {
+        let cycles: Vec<f64> = scene.life.checkpoints().into_iter().map(f64::from).collect();
+        let states = self.prior.model.limit_states();
+        let own = |s: usize| self.prior.responses.lives.iter().skip(s).step_by(states).copied();
+        let first = |s: usize| {
+            own(s).zip(&self.lives).map(|(own, life)| if own <= *life { own } else { f64::INFINITY })
+        };
+        let by_state = |s: usize| [own(s).collect(), first(s).collect()];
+        let by = if states > 1 { 0..states } else { 0..0 };
+        let lives = std::iter::once(self.lives.clone()).chain(by.flat_map(by_state));
+        let ordered: Vec<_> = lives.map(|lives: Vec<f64>| (CurveDraws::order(&lives), lives)).collect();
+        let mut draws = vec![CurveDraws::new(cycles, LEVELS.to_vec()); ordered.len()];
         for (block, sets) in sets.chunks(BLOCK).enumerate() {
             let weights: Vec<Vec<f64>> =
                 sets.par_iter().map(|(_, laws)| self.reweighting.weights(laws, &self.points)).collect();
-            for (place, ((weight, _), points)) in sets.iter().zip(&weights).enumerate() {
-                draws.add(*weight, &self.lives, &order, points);
-                of_set(block * BLOCK + place, points);
-            }
+            draws.par_iter_mut().zip(&ordered).for_each(|(draws, (order, lives))| {
+                let sets = sets.iter().zip(&weights);
+                sets.for_each(|((weight, _), points)| draws.add(*weight, lives, order, points));
+            });
+            weights.iter().enumerate().for_each(|(place, points)| of_set(block * BLOCK + place, points));
         }
-        draws
+        PopulationCurves(draws)
+    }
+}
+
+/// Curves of many sets of parameters: by any limit state, then of each, where there are several, those by it alone and of the units that
+/// have not failed first by it.
+pub struct PopulationCurves(Vec<CurveDraws>);
+
+impl PopulationCurves {
+    /// Those by any limit state.
+    pub fn total(&self) -> &CurveDraws {
+        &self.0[0]
+    }
+
+    /// The bounds at a confidence C in (0, 1).
+    pub fn at_confidence(&self, scene: &Scene, confidence: f64) -> ConfidentReliability {
+        let of = |(limit, draws): (&LimitState, &[CurveDraws])| {
+            let ConfidentReliability { reliability, lives, .. } = draws[0].at_confidence(confidence);
+            let (limit_state, first_failures) = (limit.name.clone(), draws[1].failed(confidence));
+            ConfidentLimitState { limit_state, reliability, lives, first_failures }
+        };
+        let limit_states = scene.limit_states.iter().zip(self.0[1..].chunks_exact(2)).map(of).collect();
+        ConfidentReliability { limit_states, ..self.total().at_confidence(confidence) }
     }
 }
 
@@ -105,9 +141,9 @@ pub fn fitted_reliability(
     };
     let proposals: Vec<Distribution> = fits.iter().zip(&draws).map(proposed).collect();
     let indices: Vec<usize> = fits.iter().map(|(k, _)| *k).collect();
-    let model = model_of(model, &indices, &proposals);
+    let model = model_of(model, scene, &indices, &proposals);
     let population = WeightedPopulation::new(&model, &indices, vec![], POINTS, seed);
-    let sets: Vec<(f64, Vec<Distribution>)> =
-        (0..SETS).map(|t| (1.0, draws.iter().map(|of_variable| of_variable[t].clone()).collect())).collect();
-    population.curves(scene, &sets, |_, _| {}).at_confidence(confidence)
+    let set = |t: usize| draws.iter().map(|of_variable| of_variable[t].clone()).collect::<Vec<_>>();
+    let sets: Vec<(f64, InputModel)> = (0..SETS).map(|t| (1.0, InputModel::from(&set(t)))).collect();
+    population.curves(scene, &sets, |_, _| {}).at_confidence(scene, confidence)
 }

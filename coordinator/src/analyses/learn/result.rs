@@ -3,7 +3,7 @@
 use crate::analyses::update::FleetSettings;
 use crate::results::summary::ReliabilityRow;
 use crate::statistics::updating::{ConfidentReliability, SequentialMonteCarlo};
-use common::random::Distribution;
+use common::random::{Correlation, Distribution};
 use common::scene::Scene;
 use serde::Serialize;
 
@@ -46,9 +46,9 @@ pub struct LearnReport {
     /// Reliability and lives before simulations were added.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub before: Option<ConfidentReliability>,
-    /// Distributions of the variables of one more unit, with the moments that the sets give `(d,)`.
+    /// Distributions of the variables of one more unit, with the moments that the sets give `(d,)`, and their correlations.
     #[serde(skip)]
-    pub one_more: Vec<Distribution>,
+    pub one_more: (Vec<Distribution>, Vec<Correlation>),
     /// Reliability of the study, before any unit was observed.
     pub study: Vec<ReliabilityRow>,
     /// Last checkpoint [cycles].
@@ -77,7 +77,9 @@ impl LearnReport {
     /// The studied scene with the variables of one more unit, where simulations improve what was learned.
     pub fn scene_of_one_more(&self, studied: &Scene) -> Scene {
         let mut scene = studied.clone();
-        let laws = scene.variables.iter_mut().zip(&self.one_more);
+        let (laws, correlations) = &self.one_more;
+        scene.correlations.clone_from(correlations);
+        let laws = scene.variables.iter_mut().zip(laws);
         laws.for_each(|(variable, law)| variable.distribution = law.clone());
         scene
     }
@@ -86,7 +88,7 @@ impl LearnReport {
 /// A parameter of the population.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LearnedParameter {
-    /// `VARIABLE.mean`, `VARIABLE.std`, or the name of a design variable.
+    /// `VARIABLE.mean`, `VARIABLE.std`, `correlation(A,B)`, or the name of a design variable.
     pub name: String,
     /// Unit in which it is read.
     pub unit: String,

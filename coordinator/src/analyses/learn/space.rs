@@ -1,12 +1,13 @@
 //! Unknown parameters of a study's population with their priors, and the distributions of the points by which they are tried.
 
+use crate::analyses::scene_settings::correlation_of;
 use crate::analyses::update::{
     Moment, Observable, Observation, ObservedUnit, Quantity, UnknownParameter, WIDE,
 };
 use crate::statistics::design::{InputModel, Population};
 use crate::statistics::updating::{ParameterPrior, ParameterSpace, UncertainVariable, is_positive_family};
 use crate::study::LifeModel;
-use common::random::{Distribution, RandomVariable};
+use common::random::{Correlation, Distribution, RandomVariable};
 use common::scene::Scene;
 use std::collections::BTreeSet;
 
@@ -19,20 +20,25 @@ const MOST_SCATTER: f64 = 5.0;
 /// Points from which the most influential variable is found.
 const SCREENED: usize = 2000;
 
-/// Distributions of the random variables of a study in the order of its simulations, those of `present` by name, and the indices of
-/// its design variables, which `present` does not have, or as constants.
-pub fn laws_of(studied: &Scene, present: &Scene) -> (Vec<Distribution>, Vec<usize>) {
-    let is_constant = |variable: &RandomVariable| variable.distribution.is_constant();
-    let own = |variable: &RandomVariable| {
-        present
-            .variables
-            .iter()
-            .find(|own| own.name == variable.name && (!is_constant(own) || is_constant(variable)))
-    };
-    let law = |variable| own(variable).unwrap_or(variable).distribution.clone();
-    let laws = studied.variables.iter().map(law).collect();
-    let designs = (0..studied.variables.len()).filter(|k| own(&studied.variables[*k]).is_none());
-    (laws, designs.collect())
+/// The scene of a study whose random variables have the distributions and correlations of `present`, by name, and the indices of its
+/// design variables, which `present` does not have, or as constants: over all designs they correlate with variables that follow them.
+pub fn scene_of_units(studied: &Scene, present: &Scene) -> (Scene, Vec<usize>) {
+    let (mut scene, mut designs) = (studied.clone(), vec![]);
+    for (k, variable) in scene.variables.iter_mut().enumerate() {
+        let is_own = |own: &&RandomVariable| {
+            let is_varying = !own.distribution.is_constant() || variable.distribution.is_constant();
+            own.name == variable.name && is_varying
+        };
+        match present.variables.iter().find(is_own) {
+            Some(own) => variable.distribution = own.distribution.clone(),
+            None => designs.push(k),
+        }
+    }
+    let place = |k: usize| studied.variables.iter().position(|own| own.name == present.variables[k].name);
+    let moved =
+        |c: &Correlation| Some(Correlation { first: place(c.first)?, second: place(c.second)?, ..*c });
+    scene.correlations = present.correlations.iter().filter_map(moved).collect();
+    (scene, designs)
 }
 
 /// What is not known where a file names nothing: the parameters of the variables that were measured and, if lives or outputs were
@@ -65,8 +71,8 @@ pub fn default_unknown(
 
 fn is_learnable(inputs: &InputModel, k: usize) -> bool {
     use Distribution as D;
-    let refused = D::is_constant(&inputs.variables()[k]) || inputs.copula.is_correlated(k);
-    !refused && !matches!(inputs.variables()[k], D::Beta(_) | D::Triangular(_) | D::Empirical(_))
+    let law = &inputs.variables()[k];
+    !law.is_constant() && !matches!(law, D::Beta(_) | D::Triangular(_) | D::Empirical(_))
 }
 
 /// The learnable variable whose standard normal has the largest correlation with the life, cut at the end of the study.
@@ -86,20 +92,36 @@ fn most_influential(model: &LifeModel, designs: &[usize]) -> Option<usize> {
     candidates.max_by(|a, b| correlation(a).total_cmp(&correlation(b)))
 }
 
-/// The unknown parameters as a space with priors.
+/// The unknown parameters as a space with priors; it has all variables that are correlated with one of it.
 pub fn space_of(
     inputs: &InputModel,
+    scene: &Scene,
     unknown: &[UnknownParameter],
     designs: &[usize],
     fixed: &[[bool; 2]],
 ) -> ParameterSpace {
-    let indices: BTreeSet<usize> = unknown.iter().map(|u| u.variable).collect();
-    let variable = |index: usize| {
+    let other = |u: &UnknownParameter| match u.moment {
+        Moment::CorrelationWith(other) => Some(other),
+        _ => None,
+    };
+    let mut indices: BTreeSet<usize> =
+        unknown.iter().flat_map(|u| std::iter::once(u.variable).chain(other(u))).collect();
+    let touches = |indices: &BTreeSet<usize>, c: &Correlation| {
+        indices.contains(&c.first) != indices.contains(&c.second)
+    };
+    while let Some(c) = scene.correlations.iter().find(|c| touches(&indices, c)) {
+        indices.extend([c.first, c.second]);
+    }
+    let given = |index: usize, moment: Moment| {
+        unknown.iter().find(|u| (u.variable, u.moment) == (index, moment)).map(|own| own.prior)
+    };
+    let variable = |index: &usize| {
+        let index = *index;
         let law = &inputs.variables()[index];
         let is_shared = designs.contains(&index);
         let prior = |moment: Moment| {
-            let own = unknown.iter().find(|u| (u.variable, u.moment) == (index, moment))?;
-            Some(if is_shared { shared_prior(law, own.prior) } else { prior_of(law, moment, own.prior) })
+            let own = given(index, moment)?;
+            Some(if is_shared { bounded_prior(law.support(), own) } else { prior_of(law, moment, own) })
         };
         let (mean, std) = (prior(Moment::Mean), prior(Moment::Std));
         let (lower, upper) = law.support();
@@ -109,12 +131,19 @@ pub fn space_of(
         let fixed = if is_shared { [true; 2] } else { fixed.get(index).copied().unwrap_or_default() };
         UncertainVariable { index, law, fixed, mean, std }
     };
-    ParameterSpace { variables: indices.into_iter().map(variable).collect() }
+    let variables: Vec<UncertainVariable> = indices.iter().map(variable).collect();
+    let pair = |(first, second): (usize, usize)| {
+        let (i, k) = (variables[first].index, variables[second].index);
+        let prior = given(i, Moment::CorrelationWith(k)).map(|own| bounded_prior((-1.0, 1.0), own));
+        let coefficient = correlation_of(scene, i, k);
+        (prior.is_some() || coefficient != 0.0).then_some((Correlation { first, second, coefficient }, prior))
+    };
+    let pairs = (0..variables.len()).flat_map(|k| (0..k).map(move |i| (i, k)));
+    ParameterSpace { correlations: pairs.filter_map(pair).collect(), variables }
 }
 
-/// The prior of a value that all units share, within its range.
-fn shared_prior(range: &Distribution, given: Option<(f64, f64)>) -> ParameterPrior {
-    let (lower, upper) = range.support();
+/// The prior within a range of a correlation or of a value that all units share; without a given one it is uniform.
+fn bounded_prior((lower, upper): (f64, f64), given: Option<(f64, f64)>) -> ParameterPrior {
     let inset = 1e-6 * (upper - lower);
     let law = match given {
         None => Distribution::uniform(lower + inset, upper - inset),
@@ -131,11 +160,11 @@ fn prior_of(law: &Distribution, moment: Moment, given: Option<(f64, f64)>) -> Pa
         (Some((value, error)), _) if of_logarithm => Distribution::normal(value.ln(), error / value),
         (Some((value, error)), _) => Distribution::normal(value, error),
         (None, Moment::Std) => Distribution::uniform((std / WIDE).ln(), (std * WIDE).ln()),
-        (None, Moment::Mean) if of_logarithm => {
+        (None, _) if of_logarithm => {
             let reach = (WIDE * std / mean).max(0.5);
             Distribution::uniform(mean.ln() - reach, mean.ln() + reach)
         }
-        (None, Moment::Mean) => Distribution::uniform(mean - WIDE * std, mean + WIDE * std),
+        (None, _) => Distribution::uniform(mean - WIDE * std, mean + WIDE * std),
     };
     ParameterPrior { law: prior.expect("a finite prior with a positive width"), of_logarithm }
 }

@@ -12,7 +12,7 @@ use common::random::Family;
 use common::scene::{Fault, Faults, Scene, SceneSource};
 
 /// A wear that grows in proportion to time, from an offset.
-const WEAR: &str = r#"
+pub(super) const WEAR: &str = r#"
 scene = { name = "bushing" }
 simulator = { program = ["closure"] }
 life = { cycles = 2000, checkpoint_every = 100 }
@@ -34,7 +34,7 @@ limit_states = [{ name = "worn", output = "excess", threshold = 0 }]
 variables = [{ name = "life", distribution = "exponential", mean = 1000, lower = 0 }]
 "#;
 
-fn wear(x: &[f64], n: f64) -> f64 {
+pub(super) fn wear(x: &[f64], n: f64) -> f64 {
     x[1] + x[0] * n / 1000.0
 }
 
@@ -65,12 +65,15 @@ fn simulated(scene: &Scene, response: fn(&[f64], f64) -> f64) -> (Settings, Vec<
 
 fn evaluation(scene: &Scene, response: fn(&[f64], f64) -> f64, sample: &[f64]) -> Evaluation {
     let cycles = scene.life.checkpoints();
-    let history = cycles.iter().map(|n| response(sample, f64::from(*n))).collect();
-    let start = vec![Some(response(sample, 0.0))];
-    Evaluation { start, ..Evaluation::from_histories(cycles, vec![history]) }
+    // Output k is the response to the variables from k on.
+    let outputs = 0..scene.outputs.len();
+    let history = |k: usize| cycles.iter().map(|n| response(&sample[k..], f64::from(*n))).collect();
+    let start = outputs.clone().map(|k| Some(response(&sample[k..], 0.0))).collect();
+    let histories = outputs.map(history).collect();
+    Evaluation { start, ..Evaluation::from_histories(cycles, histories) }
 }
 
-fn learned(
+pub(super) fn learned(
     (source, model): (SceneSource, LifeModel),
     text: &str,
     change: impl FnOnce(&mut LearnSettings),
@@ -90,7 +93,7 @@ const SETS: usize = 500;
 
 /// True if a posterior mean and standard deviation are exact within three of their standard errors by the effective number of
 /// sets, and half a per cent for the points.
-fn agrees(parameter: &LearnedParameter, mean: f64, std: f64, sets: f64) -> bool {
+pub(super) fn agrees(parameter: &LearnedParameter, mean: f64, std: f64, sets: f64) -> bool {
     let of_mean = (parameter.mean - mean).abs() < 3.0 * std / sets.sqrt() + 0.005 * mean;
     of_mean && (parameter.std / std - 1.0).abs() < 3.0 / (2.0 * sets).sqrt() + 0.03
 }
@@ -382,7 +385,12 @@ fn bounds_from_few_samples_hold_as_often_as_stated() {
             let order = CurveDraws::order(&lives);
             let mut draws = CurveDraws::new(vec![], vec![0.9]);
             for law in &laws {
-                draws.add(1.0, &lives, &order, &reweighting.weights(std::slice::from_ref(law), &points));
+                draws.add(
+                    1.0,
+                    &lives,
+                    &order,
+                    &reweighting.weights(&InputModel::from(std::slice::from_ref(law)), &points),
+                );
             }
             held += usize::from(draws.at_confidence(0.9).lives[0].at_least.unwrap() <= exact);
         }

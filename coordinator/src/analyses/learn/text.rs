@@ -99,8 +99,8 @@ fn sentence(confident: &ConfidentReliability) -> String {
     })
 }
 
-/// Lives, R at the checkpoints where it falls, and what these bounds leave out.
-pub fn confident_parts(confident: &ConfidentReliability, end: f64) -> [AnswerPart; 3] {
+/// Lives, R at the checkpoints where it falls, the same by limit state with first failures, and what these bounds leave out.
+pub fn confident_parts(confident: &ConfidentReliability, end: f64) -> Vec<AnswerPart> {
     let c = percent(confident.confidence);
     let cycles =
         |life: Option<f64>| life.map_or(format!("> {}", count(end as u64)), |life| count(life as u64));
@@ -111,19 +111,36 @@ pub fn confident_parts(confident: &ConfidentReliability, end: f64) -> [AnswerPar
     };
     let falls = |row: &&ConfidentRow| row.interval[0] < 0.9995 && row.interval[1] > 0.0005;
     let falling: Vec<&ConfidentRow> = confident.reliability.iter().filter(falls).collect();
-    let r = |row: &ConfidentRow| {
+    let r = |first: String, row: &ConfidentRow| {
         let [low, high] = row.interval;
         let [at_least, median, mean] = [row.at_least, row.median, row.mean].map(|r| format!("{r:.4}"));
-        vec![count(row.cycles as u64), at_least, median, format!("{low:.4} to {high:.4}"), mean]
+        vec![first, at_least, median, format!("{low:.4} to {high:.4}"), mean]
     };
     let (bound, interval) = (format!("at least, C = {c}"), format!("{c} interval"));
     let of_life = ["life at", &bound, "median", &interval];
     let of_r = ["cycles", &bound, "median", &interval, "one more unit"];
-    let lives = Table::new("Lives of the system [cycles]", of_life, confident.lives.iter().map(life));
-    let reliability =
-        Table::new("Reliability of the system", of_r, spread(&falling, ROWS).into_iter().map(r));
+    let rows = spread(&falling, ROWS).into_iter().map(|row| r(count(row.cycles as u64), row));
+    let mut tables = vec![
+        Table::new("Lives of the system [cycles]", of_life, confident.lives.iter().map(life)),
+        Table::new("Reliability of the system", of_r, rows),
+    ];
+    if !confident.limit_states.is_empty() {
+        let states = confident.limit_states.iter();
+        let lives = states
+            .clone()
+            .flat_map(|own| own.lives.iter().map(|one| [vec![own.limit_state.clone()], life(one)].concat()));
+        let head = ["by", "life at", &bound, "median", &interval];
+        tables.push(Table::new("Lives by each limit state alone [cycles]", head, lives));
+        let first = states.filter_map(|own| Some(r(own.limit_state.clone(), own.first_failures.last()?)));
+        let head = ["fails first by", &bound, "median", &interval, "one more unit"];
+        tables.push(Table::new(
+            format!("Share of first failures until {} cycles", count(end as u64)),
+            head,
+            first,
+        ));
+    }
     let left_out = AnswerPart::Text(NOT_IN_BOUNDS.to_owned());
-    [AnswerPart::Table(lives), AnswerPart::Table(reliability), left_out]
+    tables.into_iter().map(AnswerPart::Table).chain([left_out]).collect()
 }
 
 fn parameter_row(parameter: &LearnedParameter) -> Vec<String> {

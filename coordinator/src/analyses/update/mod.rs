@@ -8,6 +8,7 @@
 //! A measured output counts with the error of its measurement, the surrogate's, and the numerical error of the simulations. A
 //! measurement alone does not say that the unit has not failed; `survived` does.
 
+mod contradictions;
 mod fleet;
 mod observation;
 mod predictor;

@@ -98,6 +98,8 @@ pub enum Moment {
     Mean,
     /// The standard deviation.
     Std,
+    /// The correlation with the variable of this index, which is larger.
+    CorrelationWith(usize),
 }
 
 /// An unknown parameter as a file names it.
@@ -105,7 +107,7 @@ pub enum Moment {
 pub struct UnknownParameter {
     /// Index of the random variable.
     pub variable: usize,
-    /// Mean or standard deviation of it.
+    /// What of it.
     pub moment: Moment,
     /// Value and standard deviation of its prior [SI]; `None` for a flat one.
     pub prior: Option<(f64, f64)>,

@@ -23,8 +23,10 @@ fn wear(x: &[f64], n: f64) -> f64 {
 }
 
 /// The scene, the summary's settings and the predictor of the study, from 40 simulations.
-static STUDY: LazyLock<(SceneSource, Settings, LifeModel)> = LazyLock::new(|| {
-    let source = SceneSource::parse(SCENE, "bushing").unwrap();
+static STUDY: LazyLock<(SceneSource, Settings, LifeModel)> = LazyLock::new(|| studied(SCENE));
+
+fn studied(text: &str) -> (SceneSource, Settings, LifeModel) {
+    let source = SceneSource::parse(text, "bushing").unwrap();
     let scene = source.nominal();
     let settings = Settings { samples: 2000, initial: 40, max_evaluations: 40, ..Settings::from(scene) };
     let inputs = crate::statistics::design::InputModel::from_scene(scene);
@@ -43,7 +45,7 @@ static STUDY: LazyLock<(SceneSource, Settings, LifeModel)> = LazyLock::new(|| {
     let learned = learn_from_results(scene, scene, &settings, &stored).unwrap();
     let model = LifeModel::new(scene, &learned);
     (source, settings, model)
-});
+}
 
 fn updated(text: &str, particles: usize) -> FleetReport {
     let (source, settings, model) = &*STUDY;
@@ -152,6 +154,10 @@ fn every_fault_of_a_file_is_named_with_line_and_column() {
             "A,400,wear,10,0.1\nA,400,wear,11,0.1",
             "line 2, column value: wear of unit A contradicts line 1: the values differ by 7.1",
         ),
+        (
+            "A,500,wear,33,0.1 um\nA,700,survived",
+            "line 1, column value: wear of unit A is beyond the threshold of worn, but it had survived 700 cycles (line 2)",
+        ),
         ("", "line 1, column : the file has no row"),
     ] {
         let said = faults(row);
@@ -195,4 +201,47 @@ fn issue_no_quantile_is_stated_from_a_fraction_of_a_point() {
         );
     }
     assert!(too_few > 0);
+}
+
+#[test]
+fn ten_units_that_cannot_be_are_named_in_one_go() {
+    // With bounds of the variables.
+    let lognormal = "distribution = \"lognormal\", mean = 25, std = 3";
+    let bounded = "distribution = \"truncated-normal\", mean = 2, std = 0.5, lower = 0.5, upper = 3.5";
+    let text = SCENE.replace("mean = 25, std = 3", lognormal).replace("mean = 2, std = 0.5", bounded);
+    let (source, _, model) = studied(&text);
+    let rows = "A,400,failed,worn\nA,500,wear,15,1\n\
+        B,400,failed,worn,5\nB,600,survived\n\
+        C,400,wear,10,0.1\nC,400,wear,11,0.1\n\
+        D,,offset,2,0.01\nD,,offset,2.2,0.01\n\
+        E,,offset,4,0.1\n\
+        F,,rate,-3,0.5\n\
+        G,700,wear,33,0.5\nG,900,survived\n\
+        H,400,failed\nH,700,failed\n\
+        I,5000,survived\n\
+        J,300,play,1,0.1\nJ,300,play,4,0.1\nJ,300,survived\n";
+    for designs in [None, Some(&[][..])] {
+        let Faults(faults) = unit_file::parse(rows, "units.csv", &source, &model, designs).unwrap_err();
+        let said: Vec<String> = faults
+            .iter()
+            .map(|fault| format!("{}: {}", fault.location.as_ref().unwrap().line, fault.kind))
+            .collect();
+        let all = said.join("\n");
+        assert_eq!(said.len(), 10, "{all}");
+        for (line, what) in [
+            (2, "unit A had failed by 400 cycles (line 1)"),
+            (4, "unit B had failed by 400 cycles (line 3)"),
+            (6, "wear of unit C contradicts line 5"),
+            (8, "offset of unit D contradicts line 7"),
+            (9, "unit E is of another population; allowed: 0.5 to 3.5"),
+            (10, "unit F is of another population; allowed: 0 to inf"),
+            (11, "wear of unit G is beyond the threshold of worn"),
+            (14, "unit H had failed by 400 cycles (line 13)"),
+            (15, "allowed: a number of cycles from 0 to 2000"),
+            (17, "play of unit J contradicts line 16"),
+        ] {
+            let found = said.iter().any(|one| one.starts_with(&format!("{line}: ")) && one.contains(what));
+            assert!(found, "{line}: {what}: {all}");
+        }
+    }
 }

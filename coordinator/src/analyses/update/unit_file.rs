@@ -2,27 +2,29 @@
 //! or a random variable of the scene, with value and standard deviation of its error, or `survived` without both, or `failed` with the
 //! limit state as value and the standard deviation of the life's error, where they are known.
 //!
-//! In the data of a fleet rows of the unit `population` name what is not known of it: `VARIABLE.mean`, `VARIABLE.std` or a design
-//! variable, with value and standard deviation of its prior, or without both for a flat one; rows of the unit `price` what one more unit
+//! In the data of a fleet rows of the unit `population` name what is not known of it: `VARIABLE.mean`, `VARIABLE.std`,
+//! `correlation(A B)` or a design variable, with value and standard deviation of its prior, or without both for a flat one; rows of the unit `price` what one more unit
 //! run to failure (`failed`), or one measured value of an output or variable, costs.
 //!
 //! A first line that begins with `unit` is a heading; lines that begin with `#` are comments.
 
+use super::contradictions::{CONTRADICTION, contradictions};
 use super::observation::{
     FleetData, Moment, Observable, Observation, ObservedUnit, Quantity, UnknownParameter,
 };
 use crate::analyses::quantity::{output_quantity, positive};
+use crate::analyses::setting::pair_of;
 use crate::presentation::format::shortest;
+use crate::statistics::design::fixed_bounds;
 use crate::statistics::updating::is_positive_family;
 use crate::study::LifeModel;
 use common::random::Distribution;
+use common::scene::quantity::{Kind, NUMBER};
 use common::scene::{Faults, Scene, SceneSource, Section, read_quantity, read_rows, read_text};
 use std::path::Path;
 
 /// Columns of the file.
 const COLUMNS: [&str; 5] = ["unit", "cycles", "quantity", "value", "error"];
-/// Differences of two values of one quantity at one life that contradict each other [standard deviations].
-const CONTRADICTION: f64 = 4.0;
 
 /// Reads a file of the units of a fleet. With `designs`, the indices of the random variables that stand for design variables, rows of the
 /// unit `population` name what is not known of their population.
@@ -61,7 +63,7 @@ pub fn parse(
     model: &LifeModel,
     designs: Option<&[usize]>,
 ) -> Result<FleetData, Faults> {
-    let reader = UnitReader { source, scene: source.nominal(), model };
+    let reader = UnitReader { source, scene: source.nominal(), model, designs };
     read_rows(text, file, &COLUMNS, |rows| {
         let FleetData { mut units, mut unknown, mut prices } = FleetData::default();
         for (line, row) in rows.iter_mut() {
@@ -93,7 +95,7 @@ pub fn parse(
         for unit in &mut units {
             let rank = |o: &Observation| o.quantity.rank();
             unit.observations.sort_by(|a, b| a.cycles.total_cmp(&b.cycles).then(rank(a).cmp(&rank(b))));
-            for (line, column, what) in contradictions(unit) {
+            for (line, column, what) in contradictions(unit, source.nominal()) {
                 let row = rows.iter().find(|(other, _)| *other == line);
                 row.expect("observations are those of rows").1.inconsistent(column, what);
             }
@@ -106,6 +108,8 @@ struct UnitReader<'a> {
     source: &'a SceneSource,
     scene: &'a Scene,
     model: &'a LifeModel,
+    /// Indices of the design variables where what is not known of the population is learned.
+    designs: Option<&'a [usize]>,
 }
 
 impl UnitReader<'_> {
@@ -180,7 +184,37 @@ impl UnitReader<'_> {
         if error.is_some_and(|error| error <= 0.0) {
             row.inconsistent("error", "allowed: a standard deviation above 0");
         }
-        Some(Quantity::Measured { of, value: value?, error: error? })
+        let (value, error) = (value?, error?);
+        if let Observable::Variable(k) = of {
+            let (lower, upper) = self.bounds(k);
+            if value + CONTRADICTION * error < lower || value - CONTRADICTION * error > upper {
+                let (unit, [lower, upper]) =
+                    (row.text("unit", "the name of the unit")?, [lower, upper].map(|x| shortest(x, 4)));
+                let what = format!(
+                    "no unit has this {word}, not even {CONTRADICTION} standard deviations of the error from it, so that unit \
+                                    {unit} is of another population; allowed: {lower} to {upper} [SI]"
+                );
+                row.inconsistent("value", what);
+            }
+        }
+        Some(Quantity::Measured { of, value, error })
+    }
+
+    /// Values that random variable `k` has in any unit, whatever is learned [SI].
+    fn bounds(&self, k: usize) -> (f64, f64) {
+        let law = &self.model.inputs.variables()[k];
+        let (lower, upper) = law.support();
+        let is_learned = self.designs.is_some_and(|designs| !designs.contains(&k));
+        let stays = match law {
+            // What a constant is in this study is refused as such.
+            Distribution::Constant(_) => [false; 2],
+            Distribution::Uniform(_) => [!is_learned; 2],
+            Distribution::TruncatedNormal(_) if is_learned => {
+                fixed_bounds(self.source).get(k).copied().unwrap_or_default()
+            }
+            _ => [true; 2],
+        };
+        (if stays[0] { lower } else { f64::NEG_INFINITY }, if stays[1] { upper } else { f64::INFINITY })
     }
 
     /// A failure: by which limit state, and how exactly its life is known.
@@ -201,11 +235,27 @@ impl UnitReader<'_> {
         if row.get("cycles").is_some() {
             row.inconsistent("cycles", "a parameter of the population has no life");
         }
-        let name = row.text("quantity", "VARIABLE.mean, VARIABLE.std or a design variable")?;
+        let words = "VARIABLE.mean, VARIABLE.std, correlation(A B) or a design variable";
+        let name = row.text("quantity", words)?;
+        let laws = self.model.inputs.variables();
+        if let Some(pair) = name.strip_prefix("correlation(").and_then(|rest| rest.strip_suffix(')')) {
+            let [a, b] = match pair_of(self.source, pair) {
+                Ok([a, b]) => [a.min(b), a.max(b)],
+                Err(fault) => return row.fault("quantity", fault).and(None),
+            };
+            if [a, b].iter().any(|k| designs.contains(k) || laws[*k].is_constant()) {
+                row.inconsistent(
+                    "quantity",
+                    "allowed: the correlation of variables that differ between units",
+                );
+            }
+            let moment = Moment::CorrelationWith(b);
+            let prior = self.prior(row, NUMBER, (a, moment), false);
+            return (row.fault_count() == before).then_some(UnknownParameter { variable: a, moment, prior });
+        }
         let (variable, word) = name.rsplit_once('.').unwrap_or((name, ""));
         let variables = self.scene.variables.iter().map(|variable| variable.name.as_str());
         let k = row.meant("quantity", "random variable", variable, variables)?;
-        let distribution = &self.model.inputs.variables()[k];
         let is_design = designs.contains(&k);
         let moment = match (word, is_design) {
             ("mean", false) | ("", true) => Moment::Mean,
@@ -217,7 +267,7 @@ impl UnitReader<'_> {
                 return None;
             }
         };
-        let refused = match distribution {
+        let refused = match &laws[k] {
             _ if is_design => None,
             Distribution::Constant(_) => Some("is constant in this study, which shows no influence of it"),
             Distribution::Beta(_) | Distribution::Triangular(_) | Distribution::Empirical(_) => Some(
@@ -226,50 +276,61 @@ impl UnitReader<'_> {
             Distribution::Exponential(_) if moment == Moment::Std => {
                 Some("is exponential: its mean is its one parameter")
             }
-            _ if self.model.inputs.copula.is_correlated(k) => {
-                Some("is correlated with another variable; only parameters of independent ones are learned")
-            }
             _ => None,
         };
         if let Some(why) = refused {
             row.inconsistent("quantity", format!("{variable} {why}"));
         }
-        let kind = self.source.kind_of(variable)?;
+        let prior = self.prior(row, self.source.kind_of(variable)?, (k, moment), is_design);
+        (row.fault_count() == before).then_some(UnknownParameter { variable: k, moment, prior })
+    }
+
+    /// Value and standard deviation of the prior of a parameter of variable `k`; `None` for a flat one.
+    fn prior(
+        &self,
+        row: &mut Section,
+        kind: Kind,
+        (k, moment): (usize, Moment),
+        is_design: bool,
+    ) -> Option<(f64, f64)> {
         let cells = ["value", "error"]
             .map(|column| (column, row.text_or(column, "a quantity", "").unwrap_or_default()));
-        let is_flat = cells.iter().all(|(_, cell)| cell.is_empty());
-        let prior = (!is_flat).then(|| {
-            let read = |(column, cell): (&'static str, &str)| {
-                read_quantity(cell, kind).unwrap_or_else(|fault| {
-                    row.inconsistent(column, fault.to_string());
-                    0.0
-                })
-            };
-            let [value, error] = cells.map(read);
-            if (moment == Moment::Std || is_positive_family(distribution)) && value <= 0.0 {
-                row.inconsistent("value", "allowed: above 0");
-            }
-            let (lower, upper) = distribution.support();
-            if is_design && !(lower < value && value < upper) {
-                let range = format!("{lower} to {upper} [SI]");
-                row.inconsistent("value", format!("allowed: within the range of the study, {range}"));
-            }
-            let (mean, std) = (distribution.parent_mean(), distribution.given_std());
-            let (lower, upper) = match moment {
-                Moment::Mean => (mean - WIDE * std, mean + WIDE * std),
-                Moment::Std => (std / WIDE, std * WIDE),
-            };
-            if !is_design && (value + BEYOND * error < lower || value - BEYOND * error > upper) {
-                let range = format!("{} to {}", shortest(lower, 4), shortest(upper, 4));
-                let fault = format!("allowed: near {range} [SI], by the {variable} of the study; it knows nothing of others");
-                row.inconsistent("value", fault);
-            }
-            if error <= 0.0 {
-                row.inconsistent("error", "allowed: the standard deviation of the prior, above 0; nothing in both columns for a flat one");
-            }
-            (value, error)
-        });
-        (row.fault_count() == before).then_some(UnknownParameter { variable: k, moment, prior })
+        if cells.iter().all(|(_, cell)| cell.is_empty()) {
+            return None;
+        }
+        let read = |(column, cell): (&'static str, &str)| {
+            read_quantity(cell, kind).unwrap_or_else(|fault| {
+                row.inconsistent(column, fault.to_string());
+                0.0
+            })
+        };
+        let [value, error] = cells.map(read);
+        if error <= 0.0 {
+            row.inconsistent("error", "allowed: the standard deviation of the prior, above 0; nothing in both columns for a flat one");
+        }
+        let (law, name) = (&self.model.inputs.variables()[k], &self.scene.variables[k].name);
+        let ((lower, upper), mean, std) = (law.support(), law.parent_mean(), law.given_std());
+        let (least, most) = match moment {
+            Moment::Std => (std / WIDE, std * WIDE),
+            Moment::Mean => (mean - WIDE * std, mean + WIDE * std),
+            Moment::CorrelationWith(_) => (-1.0, 1.0),
+        };
+        let is_positive = moment == Moment::Std || moment == Moment::Mean && is_positive_family(law);
+        if is_positive && value <= 0.0 {
+            row.inconsistent("value", "allowed: above 0");
+        }
+        if is_design && !(lower < value && value < upper) {
+            let range = format!("{lower} to {upper} [SI]");
+            row.inconsistent("value", format!("allowed: within the range of the study, {range}"));
+        } else if matches!(moment, Moment::CorrelationWith(_)) && value.abs() >= 1.0 {
+            row.inconsistent("value", "allowed: between -1 and 1");
+        } else if !is_design && (value + BEYOND * error < least || value - BEYOND * error > most) {
+            let range = format!("{} to {}", shortest(least, 4), shortest(most, 4));
+            let fault =
+                format!("allowed: near {range} [SI], by the {name} of the study; it knows nothing of others");
+            row.inconsistent("value", fault);
+        }
+        Some((value, error))
     }
 
     fn cycles(&self, row: &mut Section, quantity: Option<&Quantity>) -> Option<f64> {
@@ -292,41 +353,4 @@ impl UnitReader<'_> {
         }
         read
     }
-}
-
-/// Observations of a unit, in order, that cannot be true together: line, column and why.
-fn contradictions(unit: &ObservedUnit) -> Vec<(u64, &'static str, String)> {
-    let mut faults = Vec::new();
-    let failed = unit.failure();
-    for (place, observation) in unit.observations.iter().enumerate() {
-        let Observation { line, cycles, ref name, quantity } = *observation;
-        if let Some(failure) = failed.filter(|failure| failure.line != line) {
-            let after = match quantity {
-                Quantity::Measured { of: Observable::Variable(_), .. } => false,
-                Quantity::Survived => cycles >= failure.cycles,
-                _ => cycles > failure.cycles || matches!(quantity, Quantity::Failed { .. }),
-            };
-            if after {
-                let (unit, Observation { line: at, cycles, .. }) = (&unit.name, failure);
-                let what =
-                    format!("unit {unit} had failed by {cycles} cycles (line {at}); nothing can follow");
-                faults.push((line, "cycles", what));
-            }
-        }
-        let Quantity::Measured { of, value: other, error: f } = quantity else { continue };
-        for before in &unit.observations[..place] {
-            let Quantity::Measured { of: first, value: one, error: e } = before.quantity else { continue };
-            let same_life = before.cycles == cycles || matches!(of, Observable::Variable(_));
-            let (difference, error) = ((one - other).abs(), e.hypot(f));
-            if same_life && first == of && difference > CONTRADICTION * error {
-                let (unit, first, times) = (&unit.name, before.line, difference / error);
-                let what = format!(
-                    "{name} of unit {unit} contradicts line {first}: the values differ by {times:.1} standard deviations of their \
-                     errors; allowed: at most {CONTRADICTION}"
-                );
-                faults.push((line.max(first), "value", what));
-            }
-        }
-    }
-    faults
 }

@@ -155,6 +155,15 @@ mod tests {
     }
 
     #[test]
+    fn the_variants_of_the_published_drive_are_those_of_its_scene() {
+        let text = include_str!("../../../doc/reproduction/variants.toml");
+        let source = SceneSource::builtin("flapping-wing").unwrap();
+        let found = read(&InputFile::parse(text, "variants.toml").unwrap(), &source).unwrap();
+        assert_eq!(found.len(), text.matches("[[variants]]").count());
+        assert!(found[0].scene.contains("film_damping = \"7.1676 N s/m\""));
+    }
+
+    #[test]
     fn faults_have_their_lines() {
         let text = "[[variants]]\nname = \"a\"\n[[variants]]\nname = \"b\"\nset = { \"joints.hinge.contact_law\" = \"foundation\" }\n\
             [[variants]]\nname = \"c\"\nset = { \"joints.*.contact_law\" = \"hertz\" }\naccuracy = \"fine\"\n\

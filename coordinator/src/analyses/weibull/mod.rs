@@ -20,11 +20,13 @@ use crate::analyses::replace::curve_of;
 use crate::results::summary::StudySummary;
 use crate::statistics::design::{Stream, open_stream};
 use crate::statistics::goodness_of_fit::{GoodnessOfFit, anderson_darling};
-use crate::statistics::life_data::{NoMaximum, UnitLife, WeibullFit, evidence_of_curve, test_of_curve};
+use crate::statistics::life_data::{
+    NoMaximum, UnitLife, WeibullFit, censored_anderson_darling, evidence_of_curve, test_of_curve,
+};
 use crate::statistics::replacement::CurveBand;
 use common::random::Family;
 
-/// Fewest lives for the test of Anderson and Darling.
+/// Fewest failures for the test of Anderson and Darling.
 const FEWEST: usize = 5;
 
 /// Data with their Weibull distribution.
@@ -38,7 +40,7 @@ pub struct WeibullReport {
     pub confidence: f64,
     /// Reliability whose life is stated [1].
     pub level: f64,
-    /// Test of the family, if all lives are failures, five or more.
+    /// Test of the family, if there are five failures or more and no interval.
     pub goodness: Option<GoodnessOfFit>,
     /// Comparison with a study.
     pub study: Option<StudyEvidence>,
@@ -76,11 +78,18 @@ impl WeibullReport {
     /// # Errors
     /// [`NoMaximum`].
     pub fn new(lives: Vec<UnitLife>, confidence: f64, level: f64) -> Result<Self, NoMaximum> {
+        let fit = WeibullFit::new(&lives)?;
         let exact = |unit: &UnitLife| if let UnitLife::Failed(life) = unit { Some(*life) } else { None };
-        let complete: Option<Vec<f64>> = lives.iter().map(exact).collect();
-        let complete = complete.filter(|lives| lives.len() >= FEWEST);
-        let goodness = complete.map(|lives| anderson_darling(Family::Weibull, &lives));
-        Ok(Self { fit: WeibullFit::new(&lives)?, lives, confidence, level, goodness, study: None })
+        let failed: Vec<f64> = lives.iter().filter_map(exact).collect();
+        let has_interval = lives.iter().any(|unit| matches!(unit, UnitLife::Interval(..)));
+        let goodness = (failed.len() >= FEWEST && !has_interval).then(|| {
+            if failed.len() == lives.len() {
+                anderson_darling(Family::Weibull, &failed)
+            } else {
+                censored_anderson_darling(&fit.law, &lives)
+            }
+        });
+        Ok(Self { fit, lives, confidence, level, goodness, study: None })
     }
 
     /// Adds the comparison with a curve of a study, which reaches beyond all lives.

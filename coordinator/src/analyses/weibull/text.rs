@@ -4,7 +4,7 @@ use super::{StudyEvidence, WeibullReport};
 use crate::presentation::report::format::{significant, three_digits};
 use crate::presentation::report::{Answer, AnswerPart, Axis, Figure, Ink, Plot, Series, Shape, Table};
 use crate::statistics::goodness_of_fit::GoodnessOfFit;
-use crate::statistics::life_data::{FitBounds, UnitLife};
+use crate::statistics::life_data::{FitBounds, UnitLife, kaplan_meier};
 use serde_json::{Value, json};
 
 /// Points of a drawn curve.
@@ -23,9 +23,8 @@ pub fn answer(report: &WeibullReport) -> Answer {
         let [from, to] = bounds.fisher.map(digits);
         vec![name, digits(bounds.value), format!("{from} to {to}"), format!("{low} to {high}")]
     });
-    let (few, incomplete) =
-        ("needs five exact lives at least", "is for complete data without suspensions and intervals");
-    let why = if failures == lives.len() { few } else { incomplete };
+    let has_interval = lives.iter().any(|unit| matches!(unit, UnitLife::Interval(..)));
+    let why = if has_interval { "is for lives without intervals" } else { "needs five failures at least" };
     let goodness = goodness.map(|GoodnessOfFit { statistic, p, .. }| {
         let p = three_digits(p);
         format!(
@@ -128,24 +127,6 @@ fn figure(report: &WeibullReport) -> Figure {
                    at its end.";
     let x = Axis::linear("life [cycles]", (0.0, end));
     Plot::of_reliability("weibull", x, &series).figure("Reliability by the data", caption)
-}
-
-/// R after each failure (t, R), one within an interval at its end.
-///
-/// # Source
-/// Kaplan, Meier (1958), Nonparametric estimation from incomplete observations, JASA 53.
-fn kaplan_meier(lives: &[UnitLife]) -> Vec<(f64, f64)> {
-    let mut ordered: Vec<_> = lives.iter().map(|unit| (unit.last(), unit.has_failed())).collect();
-    // Of equal lives failures come first.
-    ordered.sort_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
-    let (mut r, count) = (1.0, ordered.len());
-    let steps = ordered.iter().enumerate().filter(|(_, (_, failed))| *failed);
-    steps
-        .map(|(k, (t, _))| {
-            r *= 1.0 - 1.0 / (count - k) as f64;
-            (*t, r)
-        })
-        .collect()
 }
 
 /// The answer as JSON.

@@ -5,11 +5,14 @@
 //! |---|---|
 //! | `weibull` | fit, Fisher bounds and likelihood-ratio bounds |
 //! | `against_curve` | likelihood under a curve, and a test of the curve |
+//! | `product_limit` | estimate of Kaplan and Meier, and a test of the Weibull distribution by it |
 
 mod against_curve;
+mod product_limit;
 mod weibull;
 
 pub use against_curve::{evidence_of_curve, ln_likelihood, test_of_curve};
+pub use product_limit::{censored_anderson_darling, kaplan_meier};
 pub use weibull::{FitBounds, NoMaximum, WeibullFit, WeibullLaw};
 
 /// What is known of the life of one unit [cycles].

@@ -10,9 +10,10 @@
 //! | median | 1/2 |
 //! | interval | (1 - C) / 2 and (1 + C) / 2 |
 //!
-//! The mean of R over the sets is the probability that one more unit lives beyond n.
+//! The mean of R over the sets is the probability that one more unit lives beyond n. A unit that fails first by one limit state counts as
+//! living on where its failures by another one are counted: the share that fails first by each until n is its cumulative incidence.
 
-use super::particles::effective_size;
+use super::particles::{effective_size, weighted_quantiles};
 use serde::Serialize;
 
 /// Curves and lives under many sets of parameters.
@@ -71,6 +72,22 @@ pub struct ConfidentReliability {
     pub lives: Vec<ConfidentLife>,
     /// Median over the sets of the effective number of points by which R of a set was counted [1].
     pub effective_size: f64,
+    /// The same of each limit state, where there are two or more.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub limit_states: Vec<ConfidentLimitState>,
+}
+
+/// Reliability by one limit state at a confidence.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ConfidentLimitState {
+    /// Name of the limit state.
+    pub limit_state: String,
+    /// R by it alone at the checkpoints.
+    pub reliability: Vec<ConfidentRow>,
+    /// Lives by it alone at the levels.
+    pub lives: Vec<ConfidentLife>,
+    /// Share of the units that have failed first by it, at the checkpoints; `at_least` is the bound from below.
+    pub first_failures: Vec<ConfidentRow>,
 }
 
 impl CurveDraws {
@@ -116,18 +133,8 @@ impl CurveDraws {
 
     /// Quantiles at probabilities `p` of a number of each set.
     fn quantiles_of(&self, weights: &[f64], of: impl Fn(usize) -> f64, p: &[f64]) -> Vec<f64> {
-        let mut pairs: Vec<(f64, f64)> = (0..weights.len()).map(|t| (of(t), weights[t])).collect();
-        pairs.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-        let total: f64 = weights.iter().sum();
-        let at = |p: &f64| {
-            let mut sum = 0.0;
-            let found = pairs.iter().find(|(_, w)| {
-                sum += w;
-                sum >= p * total
-            });
-            found.or(pairs.last()).map_or(f64::NAN, |pair| pair.0)
-        };
-        p.iter().map(at).collect()
+        let pairs = weights.iter().enumerate().map(|(t, w)| (of(t), *w)).collect();
+        weighted_quantiles(pairs, weights.iter().sum(), p)
     }
 
     /// Interval of the life at the level of index `level` with other `weights` of the sets `(P,)`, at a confidence [cycles].
@@ -137,16 +144,27 @@ impl CurveDraws {
         [found[0], found[1], found[2]]
     }
 
-    /// The bounds at a confidence C in (0, 1).
-    pub fn at_confidence(&self, confidence: f64) -> ConfidentReliability {
-        let p = [0.5, 1.0 - confidence, 0.5 * (1.0 - confidence), 0.5 * (1.0 + confidence)];
+    /// A number of each set at every checkpoint at a confidence C in (0, 1).
+    fn rows(&self, confidence: f64, of: impl Fn(&[f64], usize) -> f64) -> Vec<ConfidentRow> {
+        let p = probabilities(confidence);
         let total: f64 = self.weights.iter().sum();
         let row = |(n, cycles): (usize, &f64)| {
-            let q = self.quantiles_of(&self.weights, |t| self.curves[t][n], &p);
-            let weighted = self.curves.iter().zip(&self.weights).map(|(curve, w)| w * curve[n]);
+            let q = self.quantiles_of(&self.weights, |t| of(&self.curves[t], n), &p);
+            let weighted = self.curves.iter().zip(&self.weights).map(|(curve, w)| w * of(curve, n));
             let mean = weighted.sum::<f64>() / total;
             ConfidentRow { cycles: *cycles, median: q[0], mean, at_least: q[1], interval: [q[2], q[3]] }
         };
+        self.cycles.iter().enumerate().map(row).collect()
+    }
+
+    /// The share of the units that have failed, at a confidence C in (0, 1).
+    pub fn failed(&self, confidence: f64) -> Vec<ConfidentRow> {
+        self.rows(confidence, |curve, n| 1.0 - curve[n])
+    }
+
+    /// The bounds at a confidence C in (0, 1).
+    pub fn at_confidence(&self, confidence: f64) -> ConfidentReliability {
+        let p = probabilities(confidence);
         let finite = |life: f64| life.is_finite().then_some(life);
         let life = |(l, reliability): (usize, &f64)| {
             let q = self.quantiles_of(&self.weights, |t| self.lives[t][l], &p);
@@ -155,9 +173,15 @@ impl CurveDraws {
         };
         ConfidentReliability {
             confidence,
-            reliability: self.cycles.iter().enumerate().map(row).collect(),
+            reliability: self.rows(confidence, |curve, n| curve[n]),
             lives: self.levels.iter().enumerate().map(life).collect(),
             effective_size: self.quantiles_of(&self.weights, |t| self.sizes[t], &[0.5])[0],
+            limit_states: Vec::new(),
         }
     }
+}
+
+/// Probabilities of the median, the bound from below, and the interval.
+fn probabilities(confidence: f64) -> [f64; 4] {
+    [0.5, 1.0 - confidence, 0.5 * (1.0 - confidence), 0.5 * (1.0 + confidence)]
 }

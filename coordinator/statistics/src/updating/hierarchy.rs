@@ -9,11 +9,12 @@
 //!
 //! Weights of points that were drawn from one distribution, under others:
 //!
-//!   r_j = product over the changed variables k of f_k(x_jk) / q_k(x_jk),
+//!   r_j = c(u_j) product over the changed variables k of f_k(x_jk) / q_k(x_jk),   u_jk = Phi^-1(F_k(x_jk)),
 //!
-//! with q the distribution of the points and f the changed one. The changed variables are independent of all others. With t the
-//! standard normal of a variable under q, f_k(x(t)) / q_k(x(t)) is tabulated over t in [-5, 5] and interpolated linearly between
-//! the nodes, so that a change costs as many densities as there are nodes, whatever the number of points.
+//! with q the distribution of the points, independent in all these variables, f the changed one and c its copula. The changed variables are
+//! independent of all others. With t the standard normal of a variable under q, f_k(x(t)) / q_k(x(t)), and u_k(t) where the copula is not
+//! 1, are tabulated over t in [-5, 5] and interpolated linearly between the nodes, so that a change costs as many densities as there are
+//! nodes, whatever the number of points.
 //!
 //! # Source
 //! Hogg, Myers, Bovy (2010), Inferring the eccentricity distribution, The Astrophysical Journal 725(2), equation 9; Lunn, Barrett,
@@ -23,6 +24,7 @@
 use super::parameters::ParameterSpace;
 use super::particles::Predictions;
 use super::sequential::UnitModel;
+use crate::design::InputModel;
 use common::random::Distribution;
 use rayon::prelude::*;
 
@@ -83,6 +85,8 @@ impl UnitModel for Fleet {
 /// Nodes of a table, and the standard normal of the last one.
 const NODES: usize = 513;
 const REACH: f64 = 5.0;
+/// Largest standard normal of a point under a changed distribution [1].
+const FARTHEST: f64 = 9.0;
 
 /// The distributions of the points, tabulated.
 #[derive(Debug, Clone)]
@@ -112,19 +116,56 @@ impl Reweighting {
         states.chunks_exact(dimension).flat_map(of_state).collect()
     }
 
-    /// Weights r of the points under the distributions `laws` `(K,)`, not normalised `(n,)`.
-    pub fn weights(&self, laws: &[Distribution], points: &[f64]) -> Vec<f64> {
-        let ratio = |law: &Distribution, (x, q): &(f64, f64)| if *q > 0.0 { law.pdf(*x) / q } else { 0.0 };
-        let table = |(law, nodes): (&Distribution, &Vec<(f64, f64)>)| -> Vec<f64> {
-            nodes.iter().map(|node| ratio(law, node)).collect()
+    /// Weights r of the points under the K distributions of `laws` with their dependence, not normalised `(n,)`.
+    pub fn weights(&self, laws: &InputModel, points: &[f64]) -> Vec<f64> {
+        let tables = |of: &dyn Fn(&Distribution, &(f64, f64)) -> f64| -> Vec<Vec<f64>> {
+            let table =
+                |(law, nodes): (_, &Vec<(f64, f64)>)| nodes.iter().map(|node| of(law, node)).collect();
+            laws.variables().iter().zip(&self.nodes).map(table).collect()
         };
-        let tables: Vec<Vec<f64>> = laws.iter().zip(&self.nodes).map(table).collect();
+        let ratios = tables(&|law, (x, q)| if *q > 0.0 { law.pdf(*x) / q } else { 0.0 });
+        let value = |(place, table): (&f64, &Vec<f64>)| {
+            let (node, share) = (*place as usize, place.fract());
+            table[node] + share * (table[node + 1] - table[node])
+        };
+        let product = |places: &[f64]| places.iter().zip(&ratios).map(value).product();
+        let rows = points.chunks_exact(self.indices.len());
+        if laws.copula.is_independent() {
+            return rows.map(product).collect();
+        }
+        // c = |L|^-1 exp((u'u - v'v) / 2) with u = L v.
+        let normals = tables(&|law, (x, _)| law.to_standard_normal(*x).clamp(-FARTHEST, FARTHEST));
+        let d = laws.dimension();
+        let axis = |k: usize| (0..d).map(|i| f64::from(u8::from(i == k))).collect::<Vec<f64>>();
+        let log_determinant: f64 = (0..d).map(|k| laws.copula.correlate(&axis(k))[k].ln()).sum();
+        let square = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
         let weight = |places: &[f64]| {
-            places.iter().zip(&tables).fold(1.0, |product, (place, table)| {
-                let (node, share) = (*place as usize, place.fract());
-                product * (table[node] + share * (table[node + 1] - table[node]))
-            })
+            let u: Vec<f64> = places.iter().zip(&normals).map(value).collect();
+            let exponent = 0.5 * (square(&u) - square(&laws.copula.decorrelate(&u)));
+            product(places) * (exponent - log_determinant).exp()
         };
-        points.chunks_exact(self.indices.len()).map(weight).collect()
+        rows.map(weight).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use common::random::{Correlation, GaussianCopula};
+
+    /// Points with standard normal variables under a bivariate normal: the ratio of both densities.
+    #[test]
+    fn weights_under_a_correlation_have_their_closed_form() {
+        let (r, law) = (0.7_f64, Distribution::normal(3.0, 2.0).unwrap());
+        let pair = Correlation { first: 0, second: 1, coefficient: r };
+        let laws = InputModel::new(vec![law.clone(); 2], GaussianCopula::new(2, &[pair]).unwrap());
+        let reweighting = Reweighting::new(vec![0, 2], &[law.clone(), law]);
+        let states = [1.25, 9.0, -0.5, 0.0, 9.0, 2.5];
+        let found = reweighting.weights(&laws, &reweighting.points(&states, 3));
+        for (weight, v) in found.iter().zip(states.chunks_exact(3)) {
+            let (a, b, rest) = (v[0], v[2], 1.0 - r * r);
+            let exact = (-(r * r * (a * a + b * b) - 2.0 * r * a * b) / (2.0 * rest)).exp() / rest.sqrt();
+            assert!((weight / exact - 1.0).abs() < 1e-9, "{weight} {exact}");
+        }
     }
 }

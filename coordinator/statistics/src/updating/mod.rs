@@ -29,9 +29,11 @@ mod sequential;
 #[cfg(test)]
 mod tests;
 
-pub use confidence::{ConfidentLife, ConfidentReliability, ConfidentRow, CurveDraws};
+pub use confidence::{ConfidentLife, ConfidentLimitState, ConfidentReliability, ConfidentRow, CurveDraws};
 pub use evidence::Evidence;
 pub use hierarchy::{Fleet, Reweighting, UnitPoints};
-pub use parameters::{ParameterPrior, ParameterSpace, UncertainVariable, fitted_draws, is_positive_family};
+pub use parameters::{
+    ParameterPrior, ParameterSpace, PopulationParameter, UncertainVariable, fitted_draws, is_positive_family,
+};
 pub use particles::{Particles, Predictions};
 pub use sequential::{SequentialMonteCarlo, UnitModel, UnitPosterior, Unsupported};

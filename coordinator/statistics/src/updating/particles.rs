@@ -113,18 +113,7 @@ impl Particles {
     /// Weighted quantiles at probabilities `p`, of a number of each particle that may be infinite.
     pub fn quantiles(&self, p: &[f64], of: impl Fn(usize) -> f64) -> Vec<f64> {
         let positive = (0..self.len()).filter(|i| self.weights[*i] > 0.0);
-        let mut pairs: Vec<(f64, f64)> = positive.map(|i| (of(i), self.weights[i])).collect();
-        pairs.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-        let add = |sum: &mut f64, (_, w): &(f64, f64)| {
-            *sum += w;
-            Some(*sum)
-        };
-        let cumulated: Vec<f64> = pairs.iter().scan(0.0, add).collect();
-        let at = |p: &f64| {
-            let i = cumulated.partition_point(|c| *c < *p).min(pairs.len().saturating_sub(1));
-            pairs.get(i).map_or(f64::NAN, |pair| pair.0)
-        };
-        p.iter().map(at).collect()
+        weighted_quantiles(positive.map(|i| (of(i), self.weights[i])).collect(), 1.0, p)
     }
 
     /// `count` particles of equal weight, by systematic resampling from the place `uniform` in (0, 1).
@@ -148,4 +137,19 @@ impl Particles {
 pub(super) fn effective_size(weights: &[f64]) -> f64 {
     let (sum, squares) = weights.iter().fold((0.0, 0.0), |(s, q), w| (s + w, q + w * w));
     if squares > 0.0 { sum * sum / squares } else { 0.0 }
+}
+
+/// Quantiles at probabilities `p` of values with weights, which have this sum: the first value up to which the weights reach p.
+pub(super) fn weighted_quantiles(mut pairs: Vec<(f64, f64)>, total: f64, p: &[f64]) -> Vec<f64> {
+    pairs.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+    let add = |sum: &mut f64, (_, w): &(f64, f64)| {
+        *sum += w;
+        Some(*sum)
+    };
+    let cumulated: Vec<f64> = pairs.iter().scan(0.0, add).collect();
+    let at = |p: &f64| {
+        let i = cumulated.partition_point(|c| *c < p * total).min(pairs.len().saturating_sub(1));
+        pairs.get(i).map_or(f64::NAN, |pair| pair.0)
+    };
+    p.iter().map(at).collect()
 }
