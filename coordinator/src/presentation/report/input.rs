@@ -116,12 +116,14 @@ impl ReportInput {
         let cycles = governing(&input.summary).map(|row| row.cycles);
         let mut stated: Vec<Vec<f64>> = vec![vec![]; scene.outputs.len()];
         campaign.for_each(|stored| {
+            if let Ok(evaluation) = &stored.outcome {
+                input.work.add(&evaluation.diagnostics, stored.wall);
+            }
             if stored.level > 0 {
                 return Ok(());
             }
             match stored.outcome {
                 Ok(evaluation) => {
-                    input.work.add(&evaluation.diagnostics, stored.wall);
                     let place = evaluation.cycles.iter().position(|at| Some(*at) == cycles);
                     let errors = evaluation.errors.iter().filter_map(|errors| errors.get(place?));
                     stated.iter_mut().zip(errors).for_each(|(all, error)| all.push(*error));
