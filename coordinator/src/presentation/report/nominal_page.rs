@@ -31,7 +31,11 @@ pub fn page(input: &ReportInput, facts: &[(&str, String)], source: &str) -> Page
     let rows = facts.iter().map(|(name, value)| [*name, value]);
     page.add(captioned("facts", "The simulation", tables::table_of_text(&["item", "value"], rows)));
     begin(&mut page, input, None);
-    let scripts = if scene.simulator.is_none() { chapters::motion(&mut page, input) } else { html! {} };
+    let scripts = if scene.simulator.is_none() {
+        chapters::motion(&mut page, input)
+    } else {
+        html! {}
+    };
     chapters::wear_and_cycles(&mut page, input);
     page.begin("What was simulated");
     page.add(studied::mechanism(scene, source));

@@ -143,10 +143,8 @@ pub fn orbits(input: &ReportInput) -> Vec<Figure> {
         let mut polar = Polar::new(0.0, full);
         polar.circle(*clearance, Stroke { ink: Ink::Muted, width: 1.4, opacity: 1.0 });
         polar.closed(worn, Stroke { ink: Ink::Muted, width: 1.4, opacity: 0.6 });
-        let before = format!(
-            "Radial clearance {}; largest eccentricity: ",
-            fixed_with_unit(&depth, *clearance, 1)
-        );
+        let before =
+            format!("Radial clearance {}; largest eccentricity: ", fixed_with_unit(&depth, *clearance, 1));
         let texts = ["orbit", "Orbit of journal", &before];
         of_paths(texts, name, (polar, *clearance), paths, (&depth, "um", 1e6))
     };
@@ -157,7 +155,8 @@ pub fn orbits(input: &ReportInput) -> Vec<Figure> {
 pub fn journal_forces(input: &ReportInput) -> Vec<Figure> {
     let of_joint = |joint| {
         let paths = cycles(input);
-        let paths = paths.filter_map(|(name, cycle)| Some((name, cycle, cycle.journal(joint)?.force.clone())));
+        let paths =
+            paths.filter_map(|(name, cycle)| Some((name, cycle, cycle.journal(joint)?.force.clone())));
         let paths: Paths<'_> = paths.collect();
         (!paths.is_empty()).then_some((joint, paths))
     };
@@ -196,7 +195,8 @@ fn of_paths(
             *farthest = farthest.max(x.hypot(*y));
         }
     }
-    let largest = |path: &(&str, _, _)| format!("{} cycle {}", path.0, fixed_with_unit(unit, farthest(path), 1));
+    let largest =
+        |path: &(&str, _, _)| format!("{} cycle {}", path.0, fixed_with_unit(unit, farthest(path), 1));
     let rows = paths.iter().flat_map(|(cycle, history, path)| {
         history.time.iter().zip(path).map(move |(time, [x, y])| {
             vec![cycle.to_string(), number(1e3 * time), number(factor * x), number(factor * y)]
