@@ -214,6 +214,28 @@ fn of_paths(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use common::outputs::JournalPath;
+
+    #[test]
+    fn journals_of_a_program_have_orbits_and_forces_without_the_motion_of_bodies() {
+        let mut input = crate::tests::test_study::report_input();
+        let nominal = input.nominal.as_mut().unwrap();
+        nominal.worn = None;
+        let first = nominal.first_cycle.as_mut().unwrap();
+        first.motion.clear();
+        let n = first.time.len();
+        let around = |size: f64| -> Vec<[f64; 2]> {
+            let turn = |k: usize| std::f64::consts::TAU * k as f64 / n as f64;
+            (0..n).map(|k| [size * turn(k).cos(), size * turn(k).sin()]).collect()
+        };
+        let [force, eccentricity] = [12.5, 2e-5].map(around);
+        first.journals = vec![JournalPath { joint: "1".into(), force, eccentricity }];
+        let [orbit] = &orbits(&input)[..] else { panic!("one orbit") };
+        let [force] = &journal_forces(&input)[..] else { panic!("one force") };
+        assert_eq!((orbit.name.as_str(), force.name.as_str()), ("orbit-1", "journal-force-1"));
+        assert_eq!(force.caption.replace('\u{a0}', " "), "Largest force: first cycle 12.5 N.");
+        assert!(force.csv.starts_with("cycle,time [ms],x [N],y [N]\nfirst,"), "{}", force.csv);
+    }
 
     #[test]
     fn lives_are_about_equally_far_apart_and_end_with_the_last() {
