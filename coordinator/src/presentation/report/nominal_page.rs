@@ -73,7 +73,7 @@ fn limits(input: &ReportInput) -> Markup {
             of(&|life| life.unworn.map(shown)),
             of(&|life| Some(shown(life.last))),
             joined(limit.thresholds().into_iter().map(shown), " to "),
-            of(&|life| Some(format!("{:.0} %", 100.0 * life.margin()))),
+            of(&|life| life.margin_in_words()),
             of(&|life| Some(life.reached.life().map_or("beyond the life studied".to_owned(), whole))),
         ]
     });
