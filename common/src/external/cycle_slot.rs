@@ -127,11 +127,9 @@ impl CyclesOfLife<'_> {
         let asked = match slot {
             CycleSlot::Program(slot) => {
                 let asked = SlotRequest { id: *id, level: 0, with_first_cycle: false, sample: values };
-                slot.ask(asked, &with_id, stop, |setup, text| {
-                    match setup.line_reply(*id, text)? {
-                        Some(reply) => of_object(&reply),
-                        None => read(text),
-                    }
+                slot.ask(asked, &with_id, stop, |setup, text| match setup.line_reply(*id, text)? {
+                    Some(reply) => of_object(&reply),
+                    None => read(text),
                 })
             }
             CycleSlot::Model(slot) => slot.ask_cycle((*id, &line), &expected, stop, of_object),

@@ -156,7 +156,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         };
         let studies = arguments.study.iter().map(summary).collect::<Result<Vec<_>, _>>()?;
         let truth = finer_reliability(&study, &finer)?;
-        let compared = format!("intervals of R with R at a finer accuracy, from {} pairs of simulations", truth.pairs);
+        let compared =
+            format!("intervals of R with R at a finer accuracy, from {} pairs of simulations", truth.pairs);
         for (dir, found) in arguments.study.iter().zip(print_finer(&truth, &studies)) {
             keep(dir, &compared, found)?;
         }
@@ -200,7 +201,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     );
     let q2 = found.surrogates.iter().map(|surrogate| surrogate.q2).fold(1.0, f64::min);
     let off = found.largest_difference();
-    keep(&arguments.dir, &compared, format!("R of any curve differs by at most {off:.4}, Q2 at least {q2:.4}"))
+    keep(
+        &arguments.dir,
+        &compared,
+        format!("R of any curve differs by at most {off:.4}, Q2 at least {q2:.4}"),
+    )
 }
 
 /// Keeps what was found of the study in a folder, for its report.

@@ -68,8 +68,7 @@ pub fn own_simulator(source: &SceneSource, slots: usize) -> Done<Arc<dyn Simulat
 /// # Errors
 /// [`CommandError`] if the simulator cannot be used, or the evaluation fails.
 pub fn simulate(source: &SceneSource, sample: Vec<f64>) -> Done<(Evaluation, f64)> {
-    let request =
-        Request { id: 0, sample, with_first_cycle: true, accuracy: None, level: 0, not_by: vec![] };
+    let request = Request { id: 0, sample, with_first_cycle: true, accuracy: None, level: 0, not_by: vec![] };
     let (mut found, end) = open_simulator(source, 1)?.outcomes(&[request], &mut |_| ());
     end.map_err(CommandError::Evaluate)?;
     let lost = || CommandError::Evaluate(EvaluateError::NoOutcome(0));

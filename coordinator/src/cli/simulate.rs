@@ -64,8 +64,7 @@ pub fn simulate(arguments: &SimulateArguments, verbosity: Verbosity) -> Done {
             .map_err(|failure| CommandError::of_simulation(source.origin(), &scene, failure))?;
         (scene, Some(accuracy.name), evaluation, start.elapsed().as_secs_f64())
     };
-    let simulated =
-        Simulated { scene: &scene, accuracy: accuracy.as_deref(), evaluation: &evaluation, wall };
+    let simulated = Simulated { scene: &scene, accuracy: accuracy.as_deref(), evaluation: &evaluation, wall };
     if let Some(file) = &arguments.report {
         write_text(file, &simulated.report(&arguments.set, source.text()))?;
     }
@@ -188,7 +187,8 @@ mod tests {
         let mut evaluation = Evaluation::from_histories(cycles, vec![depths, vec![44.4; 8]]);
         evaluation.start = vec![Some(0.0), None];
         evaluation.errors = vec![vec![1e-7; 8], vec![0.1; 8]];
-        let simulated = Simulated { scene: &scene, accuracy: Some("draft"), evaluation: &evaluation, wall: 0.25 };
+        let simulated =
+            Simulated { scene: &scene, accuracy: Some("draft"), evaluation: &evaluation, wall: 0.25 };
         let text = simulated.text(&[Path::new("one.json")]);
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines[0], "four-bar: 8 000 cycles, accuracy draft, 0 steps in 0.2 s");
@@ -204,7 +204,8 @@ mod tests {
         assert_eq!(lines[4..], ["written: one.json"]);
         evaluation.diagnostics.narrow_grooves =
             vec![NarrowGroove { joint: "crank".into(), since: 4000, angle: 1.0, width: 0.3, open: 1.25e-6 }];
-        let simulated = Simulated { scene: &scene, accuracy: Some("draft"), evaluation: &evaluation, wall: 0.25 };
+        let simulated =
+            Simulated { scene: &scene, accuracy: Some("draft"), evaluation: &evaluation, wall: 0.25 };
         let text = simulated.text(&[]);
         let line = "joint crank: a groove at 57.3 deg is narrower than the journal, which stays 1.25 µm above its bottom; \
                     first at 4 000 cycles\n";

@@ -118,6 +118,13 @@ impl NominalLife<'_> {
         (threshold - response) / self.limit.scale()
     }
 
+    /// The margin in per cent; `None` for a threshold of zero, of which it is no share.
+    pub fn margin_in_words(&self) -> Option<String> {
+        Some(self.margin())
+            .filter(|margin| margin.is_finite())
+            .map(|margin| format!("{:.0} %", 100.0 * margin))
+    }
+
     /// What is to be added to a statement about the limit from a `value` with this stated `error` [SI]: nothing if the error is smaller than the
     /// distance from the threshold, or none is stated.
     pub fn doubt(&self, value: f64, error: f64) -> String {
@@ -133,7 +140,8 @@ impl NominalLife<'_> {
     /// The line about this limit state, e.g. `wear: 10.0 µm after 8 000 cycles, limit 8.00 µm, margin -25 %; reached after about 5 930
     /// cycles`.
     pub fn line(&self, cycles: u32) -> String {
-        let (margin, name) = (100.0 * self.margin(), &self.limit.name);
+        let margin = self.margin_in_words().map_or(String::new(), |margin| format!(", margin {margin}"));
+        let name = &self.limit.name;
         let when = match self.reached {
             Reached::FromTheStart => "reached in the first cycle, unworn".to_owned(),
             Reached::After(life) => format!("reached after about {} cycles", whole(life)),
@@ -144,7 +152,7 @@ impl NominalLife<'_> {
         };
         let (value, limit) = (self.shown(self.last), self.thresholds());
         let (cycles, doubt) = (count(cycles.into()), self.doubt(self.last, self.errors[1]));
-        format!("{name}: {value} after {cycles} cycles, limit {limit}, margin {margin:.0} %; {when}{doubt}\n")
+        format!("{name}: {value} after {cycles} cycles, limit {limit}{margin}; {when}{doubt}\n")
             .replace('\u{a0}', " ")
     }
 
@@ -212,6 +220,9 @@ mod tests {
         assert_eq!(lives[1].reached, Reached::After(2500.0));
         // 50 rad/s.
         assert!(lives[1].line(8000).contains("limit 477 r/min"), "{}", lives[1].line(8000));
+        let mut zero = two.clone();
+        zero.limit_states[1].threshold = 0.0;
+        assert!(nominal_lives(&zero, &evaluation)[1].line(8000).contains("limit 0 r/min; "), "no margin");
         let printed = lives[0].to_json();
         assert!((printed["lower"].as_f64().unwrap() - 2e-6).abs() < 1e-18);
         evaluation.start = vec![Some(0.0), None];

@@ -103,7 +103,10 @@ fn issue_a_guide_before_a_hinge_had_the_depths_of_the_hinge() {
         "rail": {"force": [-300, -300, -300, -300], "moment": [0, 0, 0, 0], "position": [0.08, 0.1, 0.12, 0.1], "sliding": [0.08, 0.08, 0.08, 0.08]},
         "pin": {"force_x": [9, 9, 9, 9], "force_y": [0, 0, 0, 0], "angle": [0, 1.5708, 3.1416, 4.7124]}}}"#;
     let reply = reply.replace('\n', "");
-    let program = format!("program = [\"sh\", \"-c\", \"\"\"while read line; do echo '{}'; done\"\"\"]", reply.replace('"', "\\\""));
+    let program = format!(
+        "program = [\"sh\", \"-c\", \"\"\"while read line; do echo '{}'; done\"\"\"]",
+        reply.replace('"', "\\\"")
+    );
     let pin = "{ name = \"pin\", journal_radius = \"4 mm\", radial_clearance = \"30 um\", width = \"10 mm\", journal_material = \"steel\", \
                bushing_material = \"steel\", contact_law = \"foundation\", wear_coefficient = \"1e-13 1/Pa\" }";
     let text = by_program(&format!("tier = \"reaction\", {program}"), "slider").text().to_owned();

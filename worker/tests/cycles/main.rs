@@ -179,7 +179,8 @@ fn cycles_of_a_program_are_displayed_as_those_of_the_built_in_mechanics() {
     let life = evaluate(&served("tier = \"contact\""), &SAMPLE).unwrap().unwrap();
     let own = own_life("", SimulateOptions::WITH_FIRST_CYCLE);
     let last = |life: &Evaluation| life.worn.as_ref().and_then(|worn| worn.last_cycle.clone());
-    for (found, expected) in [(life.first_cycle.clone(), own.first_cycle.clone()), (last(&life), last(&own))] {
+    for (found, expected) in [(life.first_cycle.clone(), own.first_cycle.clone()), (last(&life), last(&own))]
+    {
         let (found, expected) = (found.unwrap(), expected.unwrap());
         assert_eq!(found.time, expected.time);
         for (of_program, built_in) in found.joint_force.iter().zip(&expected.joint_force) {

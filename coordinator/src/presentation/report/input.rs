@@ -1,10 +1,10 @@
 //! The data of a report, read from the campaign file: the source of the scene, every evaluation, and the results of the
 //! study from the documents `summary` and `distributions`. The report of a finished study needs no new evaluation.
 
+use super::WrittenScene;
 use super::format::words;
 use super::life::governing;
 use super::untested::{no_simulated_failure, steps_and_noise};
-use super::WrittenScene;
 use crate::presentation::motion_cautions::{control_points_notes, motion_cautions};
 use crate::results::store::{CampaignFile, CampaignMeta, StoreError};
 use crate::results::summary::StudySummary;

@@ -31,7 +31,11 @@ pub fn page(input: &ReportInput, facts: &[(&str, String)], source: &str) -> Page
     let rows = facts.iter().map(|(name, value)| [*name, value]);
     page.add(captioned("facts", "The simulation", tables::table_of_text(&["item", "value"], rows)));
     begin(&mut page, input, None);
-    let scripts = if scene.simulator.is_none() { chapters::motion(&mut page, input) } else { html! {} };
+    let scripts = if scene.simulator.is_none() {
+        chapters::motion(&mut page, input)
+    } else {
+        html! {}
+    };
     chapters::wear_and_cycles(&mut page, input);
     page.begin("What was simulated");
     page.add(studied::mechanism(scene, source));
@@ -69,7 +73,7 @@ fn limits(input: &ReportInput) -> Markup {
             of(&|life| life.unworn.map(shown)),
             of(&|life| Some(shown(life.last))),
             joined(limit.thresholds().into_iter().map(shown), " to "),
-            of(&|life| Some(format!("{:.0} %", 100.0 * life.margin()))),
+            of(&|life| life.margin_in_words()),
             of(&|life| Some(life.reached.life().map_or("beyond the life studied".to_owned(), whole))),
         ]
     });

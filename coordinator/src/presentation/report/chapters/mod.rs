@@ -72,7 +72,12 @@ fn variants_of_model(page: &mut Page, input: &ReportInput) {
 fn influences(page: &mut Page, input: &ReportInput) {
     let (derivatives, variance) = (figures::sensitivities(input), figures::variance_contributions(input));
     let has_indices = !variance.is_empty();
-    page.add_chapter("Sensitivity", html! {}, ([derivatives, variance].concat(), "two"), "No sensitivities were computed.");
+    page.add_chapter(
+        "Sensitivity",
+        html! {},
+        ([derivatives, variance].concat(), "two"),
+        "No sensitivities were computed.",
+    );
     page.add(html! {
         @if !has_indices {
             p.none { "No Sobol indices: the study has no surrogates, or its variables are dependent." }
@@ -94,7 +99,8 @@ fn quality(page: &mut Page, input: &ReportInput) {
         (false, _) => "",
     };
     page.begin("Quality of the result");
-    let drawn = predicted.into_iter().chain(figures::learning(input)).chain(figures::parts_of_interval(summary));
+    let drawn =
+        predicted.into_iter().chain(figures::learning(input)).chain(figures::parts_of_interval(summary));
     let drawn = page.draw(drawn, "two");
     page.add(html! {
         @if !none.is_empty() { p.none { (none) } }

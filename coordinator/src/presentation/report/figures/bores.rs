@@ -143,10 +143,8 @@ pub fn orbits(input: &ReportInput) -> Vec<Figure> {
         let mut polar = Polar::new(0.0, full);
         polar.circle(*clearance, Stroke { ink: Ink::Muted, width: 1.4, opacity: 1.0 });
         polar.closed(worn, Stroke { ink: Ink::Muted, width: 1.4, opacity: 0.6 });
-        let before = format!(
-            "Radial clearance {}; largest eccentricity: ",
-            fixed_with_unit(&depth, *clearance, 1)
-        );
+        let before =
+            format!("Radial clearance {}; largest eccentricity: ", fixed_with_unit(&depth, *clearance, 1));
         let texts = ["orbit", "Orbit of journal", &before];
         of_paths(texts, name, (polar, *clearance), paths, (&depth, "um", 1e6))
     };
@@ -157,7 +155,8 @@ pub fn orbits(input: &ReportInput) -> Vec<Figure> {
 pub fn journal_forces(input: &ReportInput) -> Vec<Figure> {
     let of_joint = |joint| {
         let paths = cycles(input);
-        let paths = paths.filter_map(|(name, cycle)| Some((name, cycle, cycle.journal(joint)?.force.clone())));
+        let paths =
+            paths.filter_map(|(name, cycle)| Some((name, cycle, cycle.journal(joint)?.force.clone())));
         let paths: Paths<'_> = paths.collect();
         (!paths.is_empty()).then_some((joint, paths))
     };
@@ -196,7 +195,8 @@ fn of_paths(
             *farthest = farthest.max(x.hypot(*y));
         }
     }
-    let largest = |path: &(&str, _, _)| format!("{} cycle {}", path.0, fixed_with_unit(unit, farthest(path), 1));
+    let largest =
+        |path: &(&str, _, _)| format!("{} cycle {}", path.0, fixed_with_unit(unit, farthest(path), 1));
     let rows = paths.iter().flat_map(|(cycle, history, path)| {
         history.time.iter().zip(path).map(move |(time, [x, y])| {
             vec![cycle.to_string(), number(1e3 * time), number(factor * x), number(factor * y)]
@@ -214,6 +214,28 @@ fn of_paths(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use common::outputs::JournalPath;
+
+    #[test]
+    fn journals_of_a_program_have_orbits_and_forces_without_the_motion_of_bodies() {
+        let mut input = crate::tests::test_study::report_input();
+        let nominal = input.nominal.as_mut().unwrap();
+        nominal.worn = None;
+        let first = nominal.first_cycle.as_mut().unwrap();
+        first.motion.clear();
+        let n = first.time.len();
+        let around = |size: f64| -> Vec<[f64; 2]> {
+            let turn = |k: usize| std::f64::consts::TAU * k as f64 / n as f64;
+            (0..n).map(|k| [size * turn(k).cos(), size * turn(k).sin()]).collect()
+        };
+        let [force, eccentricity] = [12.5, 2e-5].map(around);
+        first.journals = vec![JournalPath { joint: "1".into(), force, eccentricity }];
+        let [orbit] = &orbits(&input)[..] else { panic!("one orbit") };
+        let [force] = &journal_forces(&input)[..] else { panic!("one force") };
+        assert_eq!((orbit.name.as_str(), force.name.as_str()), ("orbit-1", "journal-force-1"));
+        assert_eq!(force.caption.replace('\u{a0}', " "), "Largest force: first cycle 12.5 N.");
+        assert!(force.csv.starts_with("cycle,time [ms],x [N],y [N]\nfirst,"), "{}", force.csv);
+    }
 
     #[test]
     fn lives_are_about_equally_far_apart_and_end_with_the_last() {

@@ -82,8 +82,7 @@ pub fn last_cycle(input: &ReportInput) -> Vec<Figure> {
         let label = &axis(&unit, "difference");
         over_time(first, [name, title, label], traces, &super::capital(&caption))
     };
-    let (title, state) =
-        ("Joint forces of the last cycle", "Surfaces worn to the end of life.");
+    let (title, state) = ("Joint forces of the last cycle", "Surfaces worn to the end of life.");
     let forces = forces(last, &input.scene.units.of(OutputUnit::Force), ["joint-forces-worn", title, state]);
     input.scene.outputs.iter().filter_map(of_output).chain(forces).collect()
 }

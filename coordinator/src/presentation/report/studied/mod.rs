@@ -147,7 +147,9 @@ fn assumptions(input: &ReportInput) -> Vec<String> {
 fn of_mechanism(scene: &Scene) -> Vec<String> {
     let mut text = match &scene.simulator {
         None => vec!["The mechanism is planar and its bodies are rigid.".to_owned()],
-        Some(simulator) => simulator.cycles.iter().map(|of| format!("The program {}.", of.tier.explanation())).collect(),
+        Some(simulator) => {
+            simulator.cycles.iter().map(|of| format!("The program {}.", of.tier.explanation())).collect()
+        }
     };
     let mut clearances = Vec::new();
     let mut has_worn_guides = false;
