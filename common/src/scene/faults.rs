@@ -220,11 +220,12 @@ impl FaultKind {
         name: &str,
         known: impl Iterator<Item = &'n str> + Clone,
     ) -> Self {
-        // The last part of the path of a quantity alone.
-        let is_its_end = |path: &&str| path.strip_suffix(name).is_some_and(|rest| rest.ends_with('.'));
-        let mut ending = known.clone().filter(is_its_end);
-        let only = ending.next().filter(|_| ending.next().is_none()).map(str::to_owned);
-        let meant = only.or_else(|| nearest(name, known.clone()));
+        // The name of a parameter, or the last part of a single path.
+        let after = |path: &'n str, before: &str| path.strip_suffix(name).is_some_and(|rest| rest.ends_with(before));
+        let mut ending = known.clone().filter(|path| after(path, "."));
+        let single = ending.next().filter(|_| ending.next().is_none());
+        let parameter = known.clone().find(|path| after(path, "parameters."));
+        let meant = parameter.or(single).map(str::to_owned).or_else(|| nearest(name, known.clone()));
         Self::unknown_near(what, name, &meant, &known.collect::<Vec<_>>())
     }
 

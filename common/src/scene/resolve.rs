@@ -109,9 +109,14 @@ fn without_followers(mut faults: Vec<Fault>) -> Vec<Fault> {
         ("variables", &["random variable"]),
         ("parameters", &[]),
     ] {
+        let is_points = |fault: &Fault| list == "points" && fault.key.starts_with("bodies.");
         let is_cause = |fault: &Fault| match &fault.kind {
-            FaultKind::UnknownKey { nearest, .. } if nearest.as_deref() == Some(list) => true,
-            _ => fault.key.starts_with(&format!("{list}[")) || fault.key.split('.').next_back() == Some(list),
+            FaultKind::UnknownReference(..) => false,
+            FaultKind::UnknownKey { nearest, .. } => {
+                nearest.as_deref() == Some(list) && (is_points(fault) || !fault.key.contains('.'))
+            }
+            _ if is_points(fault) => fault.key.ends_with(".points"),
+            _ => fault.key == list || fault.key.starts_with(&format!("{list}[")),
         };
         let follows = |fault: &Fault| match &fault.kind {
             FaultKind::UnknownReference(what, _) => missed.contains(what),

@@ -117,8 +117,9 @@ fn until_failed(
         let all = f64::from(life.cycles);
         part = if cycles == first_cycles {
             let within = |reserve: f64| part_of((reserve * expected).min(FIRST_PART * all).max(least));
-            shorter = Some(within(RESERVE));
-            within(FIRST_RESERVE)
+            let longer = within(FIRST_RESERVE);
+            shorter = Some(within(RESERVE)).filter(|life| life.cycles < longer.cycles);
+            longer
         } else {
             // No more than a part again, or all of it.
             let next = (RESERVE * expected).max(least);
