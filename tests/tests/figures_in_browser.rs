@@ -4,6 +4,7 @@
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::OnceLock;
 use tests::deployed::if_installed;
 use tests::program;
 
@@ -17,9 +18,9 @@ const LEAST_CONTRAST: f64 = 4.5;
 /// Small studies of four built-in scenes.
 const STUDIES: [(&str, &[&str]); 4] = [
     ("four-bar", &["--accuracy", "draft", "--initial", "20", "--max-evaluations", "30"]),
-    ("slider-crank", &["--accuracy", "draft", "--initial", "12", "--max-evaluations", "16"]),
-    ("flapping-wing", &["--accuracy", "draft", "--initial", "24", "--max-evaluations", "30"]),
-    ("flapping-wing-tolerances", &["--accuracy", "draft", "--method", "monte-carlo", "--samples", "8"]),
+    ("slider-crank", &["--levels", "draft", "--initial", "8", "--max-evaluations", "10"]),
+    ("flapping-wing", &["--levels", "draft", "--initial", "12", "--max-evaluations", "14"]),
+    ("flapping-wing-tolerances", &["--accuracy", "draft", "--method", "monte-carlo", "--samples", "4"]),
 ];
 
 /// Loads the page in frames of every width in light and in dark, and measures each: letters of figures that cover each other, the
@@ -107,13 +108,19 @@ fn browser() -> Option<&'static str> {
     found
 }
 
-/// The report of a small study.
-fn report(scene: &str, options: &[&str], folder: &Path) -> PathBuf {
-    let study = folder.join(scene);
-    let mut command = Command::new(program("coordinator"));
-    let output = command.args(["run", scene, "-q"]).args(options).arg("--out").arg(&study).output().unwrap();
-    assert!(output.status.success(), "{scene}: {}", String::from_utf8_lossy(&output.stderr));
-    study.join("report.html")
+/// The report of one of the small studies, which is run once.
+fn report(place: usize) -> &'static Path {
+    static REPORTS: [OnceLock<PathBuf>; 4] = [const { OnceLock::new() }; 4];
+    REPORTS[place].get_or_init(|| {
+        let (scene, options) = STUDIES[place];
+        let study = Path::new(env!("CARGO_TARGET_TMPDIR")).join("figures").join(scene);
+        let _ = std::fs::remove_dir_all(&study);
+        let mut command = Command::new(program("coordinator"));
+        let output =
+            command.args(["run", scene, "-q"]).args(options).arg("--out").arg(&study).output().unwrap();
+        assert!(output.status.success(), "{scene}: {}", String::from_utf8_lossy(&output.stderr));
+        study.join("report.html")
+    })
 }
 
 /// What a browser measures on a page.
@@ -175,9 +182,8 @@ document.body.append(result);
 fn sliders_answer_as_what_if_within_its_intervals() {
     let Some(browser) = browser() else { return };
     let folder = tempfile::tempdir().unwrap();
-    let (scene, options) = STUDIES[0];
-    let page = report(scene, options, folder.path());
-    let text = std::fs::read_to_string(&page).unwrap();
+    let page = report(0);
+    let text = std::fs::read_to_string(page).unwrap();
     let about = text.split("id=\"surrogates\">").nth(1).unwrap().split("</script>").next().unwrap().len();
     assert!(
         text.len() < 2_000_000 && about < 1_000_000,
@@ -234,26 +240,26 @@ fn sliders_answer_as_what_if_within_its_intervals() {
 
 #[test]
 fn letters_of_a_four_bar_are_apart_large_and_clear() {
-    letters_are_clear(STUDIES[0]);
+    letters_are_clear(0);
 }
 
 #[test]
 fn letters_of_a_slider_crank_are_apart_large_and_clear() {
-    letters_are_clear(STUDIES[1]);
+    letters_are_clear(1);
 }
 
 #[test]
 fn letters_of_the_drive_are_apart_large_and_clear() {
-    letters_are_clear(STUDIES[2]);
+    letters_are_clear(2);
 }
 
 #[test]
 fn letters_of_the_drive_with_tolerances_are_apart_large_and_clear() {
-    letters_are_clear(STUDIES[3]);
+    letters_are_clear(3);
 }
 
 /// Checks the figures of the report of one study.
-fn letters_are_clear((scene, options): (&str, &[&str])) {
+fn letters_are_clear(place: usize) {
     let Some(browser) = browser() else { return };
     assert!(
         MEASURE.contains(&format!("px < {}", LEAST_SIZE - 0.01))
@@ -261,8 +267,8 @@ fn letters_are_clear((scene, options): (&str, &[&str])) {
     );
     let folder = tempfile::tempdir().unwrap();
     let mut faults = Vec::new();
-    let page = report(scene, options, folder.path());
-    let all = measured(browser, &page, folder.path());
+    let scene = STUDIES[place].0;
+    let all = measured(browser, report(place), folder.path());
     assert_eq!(all.len(), 2 * WIDTHS.len(), "{scene}");
     for one in all {
         let at = format!("{scene} at {} px, dark {}", one["width"], one["dark"]);

@@ -66,7 +66,7 @@ impl Evaluator for Formula {
 }
 
 fn study(scene: &Scene, method: Method) -> StudyResult {
-    let settings = Settings { seed: 5, method, samples: 40_000, ..Settings::from(scene) };
+    let settings = Settings { seed: 5, method, samples: 10_000, ..Settings::from(scene) };
     let mut evaluator = Formula { checkpoints: scene.life.checkpoints(), raised: 0.0 };
     run(scene, &settings, &mut evaluator, &mut InMemoryJournal::default(), &mut Silent).unwrap()
 }
@@ -195,9 +195,9 @@ fn issue_a_budget_that_ended_learning_left_intervals_without_the_truth() {
     let scene = SceneSource::parse(&text, "s").unwrap_or_else(|faults| panic!("{faults}")).nominal().clone();
     let cycles = scene.life.checkpoints();
     let value = |x: &[f64], n: u32| x[0] * (1.0 + 0.02 * f64::from(n)) + 0.2 * x[1];
-    for seed in 1..=4 {
+    for seed in 1..=2 {
         let settings =
-            Settings { seed, samples: 40_000, initial: 12, max_evaluations: 16, ..Settings::from(&scene) };
+            Settings { seed, samples: 20_000, initial: 12, max_evaluations: 16, ..Settings::from(&scene) };
         let simulate = |request: &crate::farm::evaluate::Request| {
             let history = cycles.iter().map(|n| value(&request.sample, *n)).collect();
             let mut evaluation = Evaluation::from_histories(cycles.clone(), vec![history]);

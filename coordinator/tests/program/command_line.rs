@@ -136,15 +136,15 @@ fn scenes_are_listed_shown_and_valid() {
     ];
     assert_eq!(names, expected);
     let folder = tempfile::tempdir().unwrap();
+    let listed = text(&["scenes"]);
     for name in names {
-        assert!(text(&["scenes"]).contains(name));
+        assert!(listed.contains(name));
         // What is shown can be saved, changed and used.
         let file = folder.path().join(format!("{name}.toml"));
         std::fs::write(&file, text(&["scenes", "--show", name])).unwrap();
         let file = file.to_str().unwrap();
-        assert!(text(&["check", file, "--quick"]).contains("valid"));
         assert_eq!(json(&["check", file, "--quick", "--json"])["valid"], Value::Bool(true));
-        assert_eq!(json(&["explain", file, "--json"])["name"], Value::from(name));
+        assert_eq!(json(&["explain", file, "--quick", "--json"])["name"], Value::from(name));
     }
 }
 

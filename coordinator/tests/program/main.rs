@@ -15,3 +15,36 @@ mod simulators;
 mod study;
 mod terminal;
 mod units_and_replacement;
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::OnceLock;
+
+/// Two variants of the model of the four-bar, the second of which is the model itself.
+const VARIANTS: &str = "[[variants]]\nname = \"film\"\nset = { \"parameters.film_damping\" = \"130 N s/m\" }\n\
+    [[variants]]\nname = \"same\"\nset = { \"scene.title\" = \"another title\" }\n";
+
+/// The folder of a finished study of the four-bar with these variants, which tests ask and do not change.
+fn finished_study() -> &'static Path {
+    static STUDY: OnceLock<PathBuf> = OnceLock::new();
+    STUDY.get_or_init(|| {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("finished-study");
+        let _ = std::fs::remove_dir_all(&folder);
+        std::fs::create_dir_all(&folder).unwrap();
+        std::fs::write(folder.join("variants.toml"), VARIANTS).unwrap();
+        let run = "run four-bar --accuracy draft --samples 4000 --initial 16 --max-evaluations 24 --quiet";
+        let mut command = Command::new(env!("CARGO_BIN_EXE_coordinator"));
+        command
+            .args(run.split(' '))
+            .args(["--variants", "variants.toml", "--out", "study"])
+            .current_dir(&folder);
+        let output = command.output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        folder.join("study")
+    })
+}
+
+/// Its summary.
+fn finished_summary() -> serde_json::Value {
+    serde_json::from_str(&std::fs::read_to_string(finished_study().join("summary.json")).unwrap()).unwrap()
+}

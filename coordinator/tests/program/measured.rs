@@ -58,6 +58,8 @@ fn the_test_of_a_fit_is_shown() {
 fn a_study_goes_on_without_the_files() {
     let folder = tempfile::tempdir().unwrap();
     let scene = measured(folder.path());
+    let text = std::fs::read_to_string(&scene).unwrap() + "\n[life]\ncycles = 2000\n";
+    std::fs::write(&scene, text).unwrap();
     let study = folder.path().join("study");
     let study = study.to_str().unwrap();
     let arguments =

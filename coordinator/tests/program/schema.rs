@@ -314,26 +314,7 @@ fn schema_and_program_know_the_same_keys() {
 
 #[test]
 fn a_summary_is_described_completely() {
-    let folder = tempfile::tempdir().unwrap();
-    let study = folder.path().join("study");
-    let run = [
-        "run",
-        "four-bar",
-        "--accuracy",
-        "draft",
-        "--samples",
-        "4000",
-        "--initial",
-        "12",
-        "--max-evaluations",
-        "16",
-        "-q",
-        "--out",
-    ];
-    let output = Command::new(env!("CARGO_BIN_EXE_coordinator")).args(run).arg(&study).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let text = std::fs::read_to_string(study.join("summary.json")).unwrap();
-    let summary: Value = serde_json::from_str(&text).unwrap();
+    let summary = crate::finished_summary();
     let validator = draft202012::new(&printed(&["schema", "--results"])).unwrap();
     assert_eq!(objections(&validator, &summary), [""; 0]);
     // It is closed: a new key needs its description, a lost one is missed.

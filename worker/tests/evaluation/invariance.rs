@@ -111,12 +111,12 @@ fn check(case: &Case, what: &str, change: &Transform, changed: &Scene, rounding:
     }
 }
 
+/// Moved and mirrored at once, which both change no more than the rounding.
 #[test]
 fn issue_results_depended_on_the_place_of_the_mechanism() {
     for case in CASES.iter() {
-        for by in [[30.0, -7.0], [1000.0, 0.0]] {
-            check(case, &format!("moved by {by:?} m"), &Transform::NONE, &case.scene.moved(by), 1e-6);
-        }
+        let change = Transform { mirrored: true, ..Transform::NONE };
+        check(case, "moved and mirrored", &change, &change.of(case.scene.moved([1000.0, -7.0])), 1e-5);
     }
 }
 
@@ -133,21 +133,16 @@ fn issue_results_depended_on_the_direction_of_the_mechanism() {
             let change = Transform { turn: 0.7, ..Transform::NONE };
             check(case, "turned", &change, &change.of(case.scene.clone()), 1e-3);
         }
-        let change = Transform { mirrored: true, ..Transform::NONE };
-        check(case, "mirrored", &change, &change.of(case.scene.clone()), 1e-5);
     }
 }
 
 #[test]
 fn issue_results_depended_on_the_unit_of_length() {
-    for case in CASES.iter() {
-        for scale in [1e-3, 1e3] {
-            // Its wear steps probe the stiffness of a surface by 1e-8 m, many times the penetrations of so small a bore, and then end by name.
-            if case.name == "foundation" && scale < 1.0 {
-                continue;
-            }
-            let change = Transform { scale, ..Transform::NONE };
-            check(case, &format!("scaled by {scale}"), &change, &change.of(case.scene.clone()), 1e-5);
-        }
+    for (k, case) in CASES.iter().enumerate() {
+        // The wear steps of `foundation` probe the stiffness of a surface by 1e-8 m, many times the penetrations of so small a bore, and
+        // then end by name.
+        let scale = if k % 2 == 0 || case.name == "foundation" { 1e3 } else { 1e-3 };
+        let change = Transform { scale, ..Transform::NONE };
+        check(case, &format!("scaled by {scale}"), &change, &change.of(case.scene.clone()), 1e-5);
     }
 }

@@ -23,7 +23,7 @@ variables = [
   { name = "R", mean = 10, std = 1, truncation = 8, unit = "tons" },
   { name = "S", mean = 6, std = 1.2, truncation = 8 },
 ]
-study = { population = 40000, initial = 12, batch = 4, max_evaluations = 60 }
+study = { population = 20000, initial = 12, batch = 4, max_evaluations = 60 }
 "#;
 
 /// A model that writes its process number to a file in its folder, does `first`, and then `reply` for every request, from `id`, `R` and `S`.
@@ -258,6 +258,9 @@ fn what_is_no_answer_ends_the_study() {
             assert!(said.contains(part), "no \"{part}\" in: {said}");
         }
         assert_eq!(study.alive(), [""; 0]);
+        if !first.starts_with("import") {
+            continue;
+        }
         // Put right, the study goes on.
         std::fs::write(study.file("model.py"), model("", RIGHT)).unwrap();
         study.done("resume out --workers 2 --quiet");
@@ -268,28 +271,28 @@ fn what_is_no_answer_ends_the_study() {
 /// Each of these is a failed simulation of one sample; the study goes on without it.
 #[test]
 fn a_sample_without_a_result_is_a_failed_simulation() {
-    for (timeout, reply, cause) in [
-        ("1 min", "answer(id, failure='it diverged')", "the simulator reports: it diverged"),
-        (
-            "1 min",
-            "answer(id, outputs=dict(margin=float('nan')))",
-            "returned NaN for output margin at cycle 1",
-        ),
-        ("1 min", "os.abort()", "the simulator ended with signal: 6 (SIGABRT)"),
-        ("1 min", "sys.exit('singular matrix')", "the simulator ended with exit status: 1: singular matrix"),
-        ("2 s", "time.sleep(600)", "the simulator gave no answer within 2 s"),
-    ] {
-        let reply = format!("{reply} if id == 5 else {RIGHT}");
-        let Some(study) = Study::new(&model("", &reply), timeout) else { return };
-        study.done(
-            "run study.toml --workers 2 --seed 3 --samples 4000 --initial 20 --max-evaluations 20 --out out --quiet",
-        );
-        assert_eq!(study.summary("out")["evaluations"]["failed"], 1, "{cause}");
-        let samples = std::fs::read_to_string(study.file("out").join("samples.csv")).unwrap();
-        let row = samples.lines().find(|line| line.starts_with("5,")).unwrap();
+    let causes = [
+        ("answer(id, failure='it diverged')", "the simulator reports: it diverged"),
+        ("answer(id, outputs=dict(margin=float('nan')))", "returned NaN for output margin at cycle 1"),
+        ("os.abort()", "the simulator ended with signal: 6 (SIGABRT)"),
+        ("sys.exit('singular matrix')", "the simulator ended with exit status: 1: singular matrix"),
+        ("time.sleep(600)", "the simulator gave no answer within 5 s"),
+    ];
+    // The evaluations from 5 on have one each.
+    let one =
+        |reply, (k, (fault, _)): (usize, &(&str, &str))| format!("{fault} if id == {} else {reply}", 5 + k);
+    let reply = causes.iter().enumerate().fold(RIGHT.to_owned(), one);
+    let Some(study) = Study::new(&model("", &reply), "5 s") else { return };
+    study.done(
+        "run study.toml --workers 2 --seed 3 --samples 4000 --initial 25 --max-evaluations 25 --out out --quiet",
+    );
+    assert_eq!(study.summary("out")["evaluations"]["failed"], causes.len());
+    let samples = std::fs::read_to_string(study.file("out").join("samples.csv")).unwrap();
+    for (k, (_, cause)) in causes.iter().enumerate() {
+        let row = samples.lines().find(|line| line.starts_with(&format!("{},", 5 + k))).unwrap();
         assert!(row.contains(cause), "no \"{cause}\" in: {row}");
-        assert_eq!(study.alive(), [""; 0]);
     }
+    assert_eq!(study.alive(), [""; 0]);
 }
 
 #[test]
