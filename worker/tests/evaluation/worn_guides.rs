@@ -161,31 +161,17 @@ fn last(scene: &Scene, evaluation: &Evaluation, name: &str) -> [f64; 2] {
     [values[values.len() - 1], errors[errors.len() - 1]]
 }
 
-/// Both surfaces lose Archard's volume K F S; a slider alone wears evenly by K p S under the force in its middle.
+/// Both surfaces lose Archard's volume K F S.
 #[test]
 fn a_pressed_slider_loses_archards_volume() {
-    let slide = 2.0 * STROKE;
     let scene = pressed(|guide| guide.friction = 0.0);
     let evaluation = run(&scene, &Accuracy::balanced());
     let (volumes, _) = output(&scene, &evaluation, "volume");
     for (k, volume) in volumes.iter().enumerate() {
         let cycles = 1000.0 * (k + 1) as f64;
-        let expected = (COEFFICIENTS[0] + COEFFICIENTS[1]) * FORCE * slide * cycles;
+        let expected = (COEFFICIENTS[0] + COEFFICIENTS[1]) * FORCE * 2.0 * STROKE * cycles;
         assert!((volume / expected - 1.0).abs() < 5e-3, "{cycles}: {volume:e} {expected:e}");
     }
-    let scene = pressed(|guide| wear(guide).wears = WearingSurfaces::Journal);
-    let evaluation = run(&scene, &Accuracy::balanced());
-    let [found, stated] = last(&scene, &evaluation, "slider_wear");
-    let even = COEFFICIENTS[0] * FORCE / (LENGTH * WIDTH) * slide * 20_000.0;
-    println!("slider alone {found:e} +- {stated:e}, even {even:e}, {:?}", evaluation.diagnostics);
-    let [left, right] = {
-        let depths = &evaluation.joints[RAIL].journal_wear_depth;
-        let (left, right) = depths.split_at(depths.len() / 2);
-        [left, right]
-    };
-    assert!(left.iter().all(|h| *h == 0.0) && evaluation.joints[RAIL].wear_depth.iter().all(|h| *h == 0.0));
-    assert!(right.iter().all(|h| (h / even - 1.0).abs() < 0.01), "{right:?} against {even:e}");
-    assert!((found / even - 1.0).abs() < 0.01 && stated < 0.05 * even, "{found:e} {even:e} {stated:e}");
 }
 
 /// The guide wears a trough in which the slider settles. With h_g and h_s the largest depths, the clearance on this side grows by their sum, and
@@ -283,14 +269,15 @@ fn depths_converge_and_stated_errors_hold() {
             wear(guide).control_points = points;
             guide.friction = 0.05;
         });
+        let scene = Scene { life: Life { cycles: 10_000, ..scene.life }, ..scene };
         let accuracy = Accuracy { cycle_jump: jump, ..Accuracy::balanced() };
         let evaluation = run(&scene, &accuracy);
         ["guide_wear", "slider_wear"].map(|name| last(&scene, &evaluation, name))
     };
-    let cases = [(21, 2000), (41, 2000), (81, 2000), (41, 1000), (41, 4000)];
+    let cases = [(21, 2000), (61, 2000), (41, 4000)];
     // On two processors.
     let (exact, all) = std::thread::scope(|scope| {
-        let exact = scope.spawn(|| at(121, 1000));
+        let exact = scope.spawn(|| at(91, 1000));
         let all = cases.map(|(points, jump)| at(points, jump));
         (exact.join().expect("simulated"), all)
     });
@@ -309,7 +296,7 @@ fn depths_converge_and_stated_errors_hold() {
     }
 }
 
-/// The backlash of the slider across its guide grows by the depth at its ends.
+/// A slider alone wears evenly by K p S under the force in its middle, and its backlash across the guide grows by that depth.
 #[test]
 fn the_backlash_of_a_worn_guide_grows() {
     let mut scene = pressed(|guide| wear(guide).wears = WearingSurfaces::Journal);
@@ -324,4 +311,15 @@ fn the_backlash_of_a_worn_guide_grows() {
     println!("backlash {unworn:e}, worn {worn:e}, slider worn by {depth:e}");
     assert!((unworn - 4e-5).abs() < 1e-9, "{unworn:e}");
     assert!((worn - unworn - depth).abs() < 0.02 * depth, "{worn:e} {unworn:e} {depth:e}");
+    let [found, stated] = last(&scene, &evaluation, "slider_wear");
+    let even = COEFFICIENTS[0] * FORCE / (LENGTH * WIDTH) * 2.0 * STROKE * 20_000.0;
+    println!("slider alone {found:e} +- {stated:e}, even {even:e}, {:?}", evaluation.diagnostics);
+    let [left, right] = {
+        let depths = &evaluation.joints[RAIL].journal_wear_depth;
+        let (left, right) = depths.split_at(depths.len() / 2);
+        [left, right]
+    };
+    assert!(left.iter().all(|h| *h == 0.0) && evaluation.joints[RAIL].wear_depth.iter().all(|h| *h == 0.0));
+    assert!(right.iter().all(|h| (h / even - 1.0).abs() < 0.01), "{right:?} against {even:e}");
+    assert!((found / even - 1.0).abs() < 0.01 && stated < 0.05 * even, "{found:e} {even:e} {stated:e}");
 }
