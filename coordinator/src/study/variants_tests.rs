@@ -54,11 +54,7 @@ static STUDIED: LazyLock<Vec<StoredOutcome>> = LazyLock::new(|| {
     let mut evaluator =
         LocalEvaluator::new(2, |request: &Request| Ok(evaluation(scene, &request.sample, |y| y)));
     run(scene, &settings(), &mut evaluator, &mut journal, &mut Silent).unwrap();
-    let stored = |(sample, finished): &(Vec<f64>, crate::farm::evaluate::Finished)| StoredOutcome {
-        sample: sample.clone(),
-        outcome: finished.outcome.clone().map(Observed::from_evaluation),
-    };
-    journal.outcomes().values().map(stored).collect()
+    crate::tests::stored(&journal)
 });
 
 fn summary(scene: &Scene, learned: &CampaignResult) -> StudySummary {

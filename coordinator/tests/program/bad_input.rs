@@ -1,24 +1,11 @@
 //! What the real `coordinator` answers to bad input: one clear message on standard error, the right exit code,
 //! nothing on standard output.
 
+use crate::{coordinator, refused};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 const FOUR_BAR: &str = include_str!("../../../common/scenes/four-bar.toml");
-
-fn coordinator(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_coordinator")).args(arguments).output().unwrap()
-}
-
-/// Exit code and standard error of a command that must fail.
-#[track_caller]
-fn refused(arguments: &[&str], code: i32) -> String {
-    let output = coordinator(arguments);
-    let message = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {message}");
-    assert!(output.stdout.is_empty(), "{arguments:?} printed a result");
-    message
-}
 
 /// Exactly one line that starts with `error:` and contains all of `parts`.
 #[track_caller]

@@ -10,15 +10,46 @@ mod nonsense;
 mod plans;
 mod reader;
 mod readme_picture;
+#[path = "../../../common/tests/scene/rows.rs"]
+mod rows;
 mod schema;
 mod simulators;
 mod study;
+mod study_folder;
 mod terminal;
 mod units_and_replacement;
 
+use serde_json::Value;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Output};
 use std::sync::OnceLock;
+
+fn coordinator(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_coordinator")).args(arguments).output().unwrap()
+}
+
+/// Standard output of a command that succeeds.
+#[track_caller]
+fn printed(arguments: &[&str]) -> String {
+    let output = coordinator(arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+#[track_caller]
+fn json(arguments: &[&str]) -> Value {
+    serde_json::from_str(&printed(arguments)).unwrap()
+}
+
+/// Standard error of a command that fails with this exit code and without a result.
+#[track_caller]
+fn refused(arguments: &[&str], code: i32) -> String {
+    let output = coordinator(arguments);
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {message}");
+    assert!(output.stdout.is_empty(), "{arguments:?} printed a result");
+    message
+}
 
 /// Two variants of the model of the four-bar, the second of which is the model itself.
 const VARIANTS: &str = "[[variants]]\nname = \"film\"\nset = { \"parameters.film_damping\" = \"130 N s/m\" }\n\
@@ -45,6 +76,12 @@ fn finished_study() -> &'static Path {
 }
 
 /// Its summary.
-fn finished_summary() -> serde_json::Value {
-    serde_json::from_str(&std::fs::read_to_string(finished_study().join("summary.json")).unwrap()).unwrap()
+fn finished_summary() -> Value {
+    let text = std::fs::read_to_string(finished_study().join("summary.json")).unwrap();
+    serde_json::from_str(&text).unwrap()
+}
+
+/// The rows of a section of `cases.txt`.
+fn rows<const N: usize>(section: &str) -> Vec<[&'static str; N]> {
+    rows::rows(include_str!("cases.txt"), section)
 }

@@ -1,27 +1,9 @@
 //! Plans and comparisons with the real `coordinator`: `test-plan`, `weibull`, and `run --variants`.
 
+use crate::{coordinator, json, refused};
 use serde_json::Value;
 use std::path::Path;
-use std::process::{Command, Output};
-
-fn coordinator(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_coordinator")).args(arguments).output().unwrap()
-}
-
-fn json(arguments: &[&str]) -> Value {
-    let output = coordinator(arguments);
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
-}
-
-#[track_caller]
-fn refused(arguments: &[&str]) -> String {
-    let output = coordinator(arguments);
-    let message = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
-    assert!(output.stdout.is_empty(), "{arguments:?} printed a result");
-    message
-}
+use std::process::Command;
 
 fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value}"))
@@ -56,7 +38,7 @@ fn plans_of_textbooks() {
         (&["--confidence", "100%"], "between 0 and 1"),
         (&["--curve", "wear"], "DIR"),
     ] {
-        let message = refused(&[&line[..], more].concat());
+        let message = refused(&[&line[..], more].concat(), 2);
         assert!(message.contains(says), "{more:?}: {message}");
     }
 }
@@ -68,7 +50,7 @@ fn a_study_with_variants_is_a_prior_and_is_compared_with_lives() {
     let (study, file, out) = (crate::finished_study().to_str().unwrap(), at("fleet.csv"), at("weibull"));
     std::fs::write(at("wrong.toml"), "[[variants]]\nname = \"a\"\nset = { \"joints.x.width\" = 1 }\n")
         .unwrap();
-    let message = refused(&["run", "four-bar", "--variants", &at("wrong.toml"), "--out", &at("none")]);
+    let message = refused(&["run", "four-bar", "--variants", &at("wrong.toml"), "--out", &at("none")], 2);
     assert!(message.contains("wrong.toml:3") && !Path::new(&at("none")).exists(), "{message}");
     let summary = crate::finished_summary();
     let rows = summary["variants"].as_array().unwrap();
@@ -109,7 +91,7 @@ fn a_study_with_variants_is_a_prior_and_is_compared_with_lives() {
     assert!(number(&plan["with_prior"]["units"]) < number(&plan["units"]));
     assert!(number(&plan["with_prior"]["wrongly_passed"]) <= 0.1);
     assert!(
-        refused(&["test-plan", study, "--reliability", "0.99", "--at", "90000"])
+        refused(&["test-plan", study, "--reliability", "0.99", "--at", "90000"], 2)
             .contains("the study ends at")
     );
 
@@ -157,8 +139,8 @@ fn a_study_with_variants_is_a_prior_and_is_compared_with_lives() {
     let text = String::from_utf8(coordinator(&["weibull", &file, "--study", study]).stdout).unwrap();
     assert!(text.contains("The data contradict the study:"), "{text}");
     std::fs::write(&file, "unit,cycles,state\nA,900000,failed\nB,10,gone\n").unwrap();
-    let message = refused(&["weibull", &file, "--study", study]);
+    let message = refused(&["weibull", &file, "--study", study], 2);
     assert!(message.contains("fleet.csv:2:3") && message.contains("fleet.csv:3:6"), "{message}");
     std::fs::write(&file, "unit,cycles,state\nA,900,failed\nB,10,running\n").unwrap();
-    assert!(refused(&["weibull", &file]).contains("failures at different lives"));
+    assert!(refused(&["weibull", &file], 2).contains("failures at different lives"));
 }

@@ -1,28 +1,8 @@
 //! Decisions from a finished study with the real `coordinator`: `update` and `replace`.
 
+use crate::{json, refused};
 use serde_json::Value;
 use std::path::Path;
-use std::process::{Command, Output};
-
-fn coordinator(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_coordinator")).args(arguments).output().unwrap()
-}
-
-fn json(arguments: &[&str]) -> Value {
-    let output = coordinator(arguments);
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
-}
-
-/// Standard error of a command that must fail as bad input without a result.
-#[track_caller]
-fn refused(arguments: &[&str]) -> String {
-    let output = coordinator(arguments);
-    let message = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
-    assert!(output.stdout.is_empty(), "{arguments:?} printed a result");
-    message
-}
 
 #[test]
 fn a_study_answers_for_units_and_replacement() {
@@ -30,7 +10,7 @@ fn a_study_answers_for_units_and_replacement() {
     let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let (study, units, out) = (crate::finished_study().to_str().unwrap(), at("units.csv"), at("fleet"));
 
-    let missing = refused(&["update", study, "--measured", &at("no.csv")]);
+    let missing = refused(&["update", study, "--measured", &at("no.csv")], 2);
     assert!(missing.contains("no.csv: cannot be read: there is no such file"), "{missing}");
 
     // Of two units the one that has worn more has the shorter remaining life.
@@ -46,9 +26,9 @@ fn a_study_answers_for_units_and_replacement() {
         assert!(Path::new(&out).join(name).is_file(), "{name}");
     }
     std::fs::write(&units, "A,3000,depth,4 um,1 um\nA,9000,max_wear_depth,4 N,1 um\n").unwrap();
-    let message = refused(&["update", study, "--measured", &units]);
+    let message = refused(&["update", study, "--measured", &units], 2);
     assert!(message.contains("units.csv:1:8") && message.contains("units.csv:2:23"), "{message}");
-    assert!(refused(&["update", study, "--measured", &at("none.csv")]).contains("none.csv"));
+    assert!(refused(&["update", study, "--measured", &at("none.csv")], 2).contains("none.csv"));
 
     // The population of three units: a failure with its life, a unit that still runs, and one that was measured.
     let (fleet, learned) = (at("fleet.csv"), at("learned"));
@@ -63,9 +43,9 @@ fn a_study_answers_for_units_and_replacement() {
         assert!(Path::new(&learned).join(name).is_file(), "{name}");
     }
     std::fs::write(&fleet, "A,5200,failed,waer\npopulation,,friction.men\n").unwrap();
-    let message = refused(&["learn", study, "--data", &fleet]);
+    let message = refused(&["learn", study, "--data", &fleet], 2);
     assert!(message.contains("fleet.csv:1:15") && message.contains("fleet.csv:2:13"), "{message}");
-    let message = refused(&["what-if", study, "--confidence", "90%"]);
+    let message = refused(&["what-if", study, "--confidence", "90%"], 2);
     assert!(message.contains("measured samples"), "{message}");
 
     let answer = json(&["replace", study, "--failure-cost", "10", "--inspect-every", "1000", "--json"]);
@@ -81,7 +61,7 @@ fn a_study_answers_for_units_and_replacement() {
         (&["--failure-cost", "10", "--inspect-every", "500", "--inspect-error", "1 N"], "--inspect-error"),
         (&["--failure-cost", "10", "--inspect-cost", "1"], "--inspect-every"),
     ] {
-        let message = refused(&[&["replace", study], arguments].concat());
+        let message = refused(&[&["replace", study], arguments].concat(), 2);
         assert!(message.contains(allowed), "{arguments:?}: {message}");
     }
 }

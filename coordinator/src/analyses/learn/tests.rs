@@ -9,7 +9,7 @@ use crate::statistics::design::{InputModel, Population};
 use crate::study::{FurtherLearning, LifeModel, Observed, Settings, StoredOutcome, learn_from_results};
 use common::outputs::Evaluation;
 use common::random::Family;
-use common::scene::{Fault, Faults, Scene, SceneSource};
+use common::scene::{Scene, SceneSource};
 
 /// A wear that grows in proportion to time, from an offset.
 const WEAR: &str = r#"
@@ -311,43 +311,9 @@ fn simulations_where_the_population_has_gone_improve_what_was_learned() {
 fn every_fault_of_the_population_is_named_with_line_and_column() {
     let (source, model) = study(LIFE, excess);
     let faults = |text: &str| {
-        let Faults(faults) = parse_fleet(text, "fleet.csv", &source, &model, Some(&[])).unwrap_err();
-        let said = |fault: &Fault| {
-            format!("line {}, column {}: {}", fault.location.as_ref().unwrap().line, fault.key, fault.kind)
-        };
-        faults.iter().map(said).collect::<Vec<_>>().join("\n")
+        crate::tests::located(parse_fleet(text, "fleet.csv", &source, &model, Some(&[])).unwrap_err())
     };
-    for (row, expected) in [
-        (
-            "A,400,failed,wron",
-            "line 1, column value: there is no limit state \"wron\", did you mean \"worn\"?",
-        ),
-        ("A,400,failed,worn,0", "column error: \"0\": allowed: the standard deviation of the life"),
-        ("A,9000,failed,worn,5", "column cycles: \"9000\": allowed: a number of cycles from 0 to 6000"),
-        (
-            "population,,lief.mean",
-            "column quantity: there is no random variable \"lief\", did you mean \"life\"?",
-        ),
-        ("population,,life.std", "column quantity: life is exponential: its mean is its one parameter"),
-        ("population,,life", "column quantity: allowed: life.mean or life.std"),
-        ("price,,failed,2\nprice,,failed,3", "line 2, column quantity: this observation has a price already"),
-        ("price,,failed,-1", "column value: \"-1\": allowed: a number above 0"),
-        ("price,300,excess,1", "column cycles: a price has no cycles"),
-        ("population,,life.mean,-4,1", "column value: allowed: above 0"),
-        (
-            "population,,life.mean,900,0",
-            "column error: allowed: the standard deviation of the prior, above 0",
-        ),
-        ("population,100,life.mean", "column cycles: a parameter of the population has no life"),
-        (
-            "population,,life.mean\npopulation,,life.mean,900,90",
-            "line 2, column quantity: this parameter has a row already",
-        ),
-        (
-            "A,400,failed,worn,5\nA,500,survived",
-            "line 2, column cycles: unit A had failed by 400 cycles (line 1)",
-        ),
-    ] {
+    for [row, expected] in crate::tests::rows("every_fault_of_the_population_is_named_with_line_and_column") {
         let said = faults(row);
         assert!(said.contains(expected), "{row}: {said}");
     }

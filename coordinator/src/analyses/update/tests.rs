@@ -2,7 +2,7 @@ use super::result::FleetReport;
 use super::*;
 use crate::statistics::design::Population;
 use crate::study::{LifeModel, Observed, Settings, StoredOutcome, learn_from_results};
-use common::scene::{Fault, Faults, SceneSource};
+use common::scene::SceneSource;
 use std::sync::LazyLock;
 
 /// A wear that grows in proportion to time, from an offset, and another output that no limit state watches.
@@ -128,32 +128,9 @@ fn survival_lengthens_and_an_improbable_value_is_warned_of() {
 fn every_fault_of_a_file_is_named_with_line_and_column() {
     let (source, _, model) = &*STUDY;
     let faults = |text: &str| {
-        let Faults(faults) = unit_file::parse(text, "units.csv", source, model, None).unwrap_err();
-        let said = |fault: &Fault| {
-            format!("line {}, column {}: {}", fault.location.as_ref().unwrap().line, fault.key, fault.kind)
-        };
-        faults.iter().map(said).collect::<Vec<_>>().join("\n")
+        crate::tests::located(unit_file::parse(text, "units.csv", source, model, None).unwrap_err())
     };
-    for (row, expected) in [
-        (
-            "A,400,waer,1,1",
-            "line 1, column quantity: there is no quantity \"waer\", did you mean \"wear\"?; there are: wear, play, rate",
-        ),
-        ("A,4000,wear,1,1", "column cycles: \"4000\": allowed: a number of cycles from 0 to 2000"),
-        ("A,400,wear,1 N,1", "column value: \"1 N\": expected a number in um"),
-        ("A,400,wear,1,0", "column error: allowed: a standard deviation above 0"),
-        ("A,400,wear,1", "column error: \"\": expected a number in um"),
-        ("A,400,survived,1", "column value: \"1\": survived has no value"),
-        (",400,wear,1,1", "column unit: is missing, expected the name of the unit"),
-        ("A,400,wear,1,1,1", "6 cells, expected 5"),
-        ("A,400,failed\nA,500,wear,15,1", "line 2, column cycles: unit A had failed by 400 cycles (line 1)"),
-        ("A,400,failed\nA,400,survived", "unit A had failed by 400 cycles"),
-        (
-            "A,400,wear,10,0.1\nA,400,wear,11,0.1",
-            "line 2, column value: wear of unit A contradicts line 1: the values differ by 7.1",
-        ),
-        ("", "line 1, column : the file has no row"),
-    ] {
+    for [row, expected] in crate::tests::rows("every_fault_of_a_file_is_named_with_line_and_column") {
         let said = faults(row);
         assert!(said.contains(expected), "{row}: {said}");
     }

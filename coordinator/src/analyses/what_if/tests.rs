@@ -47,11 +47,7 @@ fn study(source: &SceneSource) -> (StudySummary, Vec<StoredOutcome>) {
     let mut journal = InMemoryJournal::default();
     let mut evaluator = LocalEvaluator::new(1, simulate);
     let result = run(scene, &settings(scene), &mut evaluator, &mut journal, &mut Silent).unwrap();
-    let stored = |(sample, finished): &(Vec<f64>, crate::farm::evaluate::Finished)| StoredOutcome {
-        sample: sample.clone(),
-        outcome: finished.outcome.clone().map(Observed::from_evaluation),
-    };
-    (result.summary, journal.outcomes().values().map(stored).collect())
+    (result.summary, crate::tests::stored(&journal))
 }
 
 /// The study of the scene, which every question asks.

@@ -1,6 +1,6 @@
 //! Programs that run once per evaluation, with a template and a results file.
 
-use super::{RIGHT, Study, model};
+use super::{RIGHT, StudyFolder, model, study};
 
 /// The strength problem as a program that runs once per evaluation, with a template and a results file.
 const FILES: &str = r#"
@@ -23,8 +23,8 @@ REPLY
 "#;
 
 /// A study with files; `reply` writes the results.
-fn with_files(reply: &str, timeout: &str) -> Option<Study> {
-    let study = Study::new("", timeout)?;
+fn with_files(reply: &str, timeout: &str) -> Option<StudyFolder> {
+    let study = study("", timeout)?;
     let text = std::fs::read_to_string(study.file("study.toml")).unwrap();
     let (from, to) = (text.find("program").unwrap(), text.find(", timeout").unwrap());
     let inline = FILES.trim().replace('\n', ", ");
@@ -38,7 +38,7 @@ fn with_files(reply: &str, timeout: &str) -> Option<Study> {
 
 #[test]
 fn a_program_with_files_gives_the_same_answer() {
-    let Some(lines) = Study::new(&model("", RIGHT), "1 min") else { return };
+    let Some(lines) = study(&model("", RIGHT), "1 min") else { return };
     const RUN: &str = "run study.toml --workers 2 --seed 3 --samples 4000 --initial 20 --max-evaluations 20 --out two --quiet";
     lines.done(RUN);
     let Some(study) = with_files("open('results.out', 'w').write(f'{R - S!r} margin\\n')", "1 min") else {
