@@ -32,6 +32,19 @@ fn every_row_of_the_table_is_one_fault() {
 }
 
 #[test]
+fn ideal_joints_and_outputs() {
+    let slider_crank = include_str!("../../scenes/slider-crank.toml");
+    for [from, to, parts] in crate::rows("faults of the slider-crank") {
+        assert!(slider_crank.contains(from), "{from}");
+        let text = slider_crank.replacen(from, to, 1);
+        let found = SceneSource::parse(&text, "my.toml").unwrap_err().to_string();
+        for part in parts.split(" … ") {
+            assert!(found.contains(part), "no \"{part}\" in: {found}");
+        }
+    }
+}
+
+#[test]
 fn issue_a_missing_or_misplaced_unit_of_angle_was_taken_for_radians() {
     let found = faults("friction = 0.05", "friction = \"3 deg\"");
     assert_eq!(found.len(), 3, "{found:#?}");

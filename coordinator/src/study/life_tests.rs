@@ -7,7 +7,7 @@ use crate::results::progress::Silent;
 use crate::statistics::design::Population;
 use common::accuracy::NamedAccuracy;
 use common::failure::SimulationFailure;
-use common::outputs::{Diagnostics, Evaluation};
+use common::outputs::Evaluation;
 use common::random::{Distribution, RandomVariable};
 use common::scene::{
     Fails, Life, LimitState, Output, OutputKind, Scene, SignedBody, StudySettings, WearModel,
@@ -159,11 +159,7 @@ impl Evaluator for MadeUp {
                     cycles: (1..=72).map(|i| 1000 * i).collect(),
                     histories: histories(&request.sample, self.noise),
                     errors: vec![vec![0.0; 72]; 2],
-                    joints: vec![],
-                    first_cycle: None,
-                    worn: None,
-                    start: vec![],
-                    diagnostics: Diagnostics::default(),
+                    ..Evaluation::default()
                 })
             };
             source.record(Finished { id: request.id, outcome, worker: "test/0".into(), wall: 1.0 })?;

@@ -11,7 +11,7 @@ use crate::farm::evaluate::Request;
 use crate::farm::evaluate::local::LocalEvaluator;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
-use common::outputs::{Diagnostics, Evaluation, JointSummary};
+use common::outputs::{Evaluation, JointSummary};
 use common::random::standard_normal_cdf;
 use common::scene::{Faults, InputFile, Scene, SceneSource};
 use std::path::Path;
@@ -61,10 +61,7 @@ fn stand_in(scene: &Scene, request: &Request) -> Result<Evaluation, SimulationFa
         cycles,
         errors: vec![],
         joints: scene.joints.iter().map(joint).collect(),
-        first_cycle: None,
-        worn: None,
-        start: vec![],
-        diagnostics: Diagnostics::default(),
+        ..Evaluation::default()
     })
 }
 

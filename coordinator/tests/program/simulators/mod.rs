@@ -23,7 +23,7 @@ variables = [
   { name = "R", mean = 10, std = 1, truncation = 8, unit = "tons" },
   { name = "S", mean = 6, std = 1.2, truncation = 8 },
 ]
-study = { population = 20000, initial = 12, batch = 4, max_evaluations = 60 }
+study = { population = 40000, initial = 12, batch = 4, max_evaluations = 60 }
 "#;
 
 /// A model that writes its process number to a file in its folder, does `first`, and then `reply` for every request, from `id`, `R` and `S`.
