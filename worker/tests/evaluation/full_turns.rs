@@ -1,8 +1,8 @@
 //! A drag link: the crank drives a rocker that turns fully too. Angles between the two are those of the ideal linkage, whatever the
 //! number of cycles before the measured one.
 
+use crate::scenes::draft as run;
 use common::accuracy::Accuracy;
-use common::outputs::Evaluation;
 use common::scene::{Curve, Load, Motion, OutputKind, Over, Scene, SceneSource, SignedBody, Table};
 use std::f64::consts::TAU;
 use worker::simulate::{SimulateOptions, simulate};
@@ -26,10 +26,6 @@ fn drag_link(settle_cycles: u32, wears: bool) -> Scene {
         crate::scenes::every_joint(&mut scene, |clearance| clearance.wear_coefficient = 0.0);
     }
     scene
-}
-
-fn run(scene: &Scene) -> Evaluation {
-    simulate(scene, &Accuracy::draft(), SimulateOptions::default()).expect("simulated")
 }
 
 /// Largest difference of the angles of rocker and crank of the linkage with ideal joints [rad], from its closed form.

@@ -1,5 +1,6 @@
 //! Sliders with clearance in their guides: closed forms of bounces, friction and energy, and the published slider-crank.
 
+use crate::scenes::reference_shown as run;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
@@ -27,10 +28,6 @@ fn slider(force: [f64; 2], period: f64, change: impl Fn(&mut GuideClearance)) ->
     let JointKind::Guide(guide) = &mut scene.joints[0].kind else { panic!("it is a guide") };
     change(guide);
     scene
-}
-
-fn run(scene: &Scene) -> Evaluation {
-    simulate(scene, &Accuracy::reference(), SimulateOptions::WITH_FIRST_CYCLE).expect("simulated")
 }
 
 /// Times, and motion of the only body that moves.

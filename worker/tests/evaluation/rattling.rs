@@ -1,14 +1,8 @@
 //! The slider-crank with a clearance of half a millimetre: no cycle repeats the one before.
 
-use crate::scenes::{every_joint, scene};
+use crate::scenes::{evaluate as run, every_joint, scene};
 use common::accuracy::{Accuracy, Tier};
 use common::outputs::Evaluation;
-use common::scene::Scene;
-use worker::simulate::{SimulateOptions, simulate};
-
-fn run(scene: &Scene, accuracy: &Accuracy) -> Evaluation {
-    simulate(scene, accuracy, SimulateOptions::default()).expect("simulated")
-}
 
 #[test]
 fn issue_the_stated_wear_error_of_a_rattling_mechanism_exceeded_the_wear() {

@@ -1,16 +1,11 @@
 //! Motions seen once, from their start: one cycle, none before it, with wear.
 
+use crate::scenes::shown as run;
 use common::accuracy::Accuracy;
-use common::outputs::Evaluation;
-use common::scene::{Scene, SceneSource};
-use worker::simulate::{SimulateOptions, simulate};
+use common::scene::SceneSource;
 
 /// A rotor in a bore, brought up from rest by a constant torque; its centre of mass is off the axis.
 const ROTOR: &str = include_str!("scenes/rotor.toml");
-
-fn run(scene: &Scene, accuracy: &Accuracy) -> Evaluation {
-    simulate(scene, accuracy, SimulateOptions::WITH_FIRST_CYCLE).expect("simulated")
-}
 
 #[test]
 fn issue_a_single_cycle_from_rest_was_restarted_as_if_it_repeated() {

@@ -1,5 +1,6 @@
 //! Guides and sliders that wear, through whole lives: closed forms, energy on worn faces, convergence, backlash.
 
+use crate::scenes::evaluate as run;
 use common::accuracy::Accuracy;
 use common::outputs::Evaluation;
 use common::scene::*;
@@ -29,10 +30,6 @@ pub(crate) fn pressed(change: impl Fn(&mut GuideClearance)) -> Scene {
 
 fn wear(guide: &mut GuideClearance) -> &mut GuideWear {
     guide.wear.as_mut().expect("it wears")
-}
-
-fn run(scene: &Scene, accuracy: &Accuracy) -> Evaluation {
-    simulate(scene, accuracy, SimulateOptions::default()).expect("simulated")
 }
 
 fn output<'e>(scene: &Scene, evaluation: &'e Evaluation, name: &str) -> (&'e [f64], &'e [f64]) {

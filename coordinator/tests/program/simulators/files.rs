@@ -71,7 +71,7 @@ fn a_program_with_files_fails_like_one_with_lines() {
     }
     let Some(study) = with_files(&reply, "5 s") else { return };
     study.done(
-        "run study.toml --workers 2 --seed 3 --samples 4000 --initial 25 --max-evaluations 25 --out out --quiet",
+        "run study.toml --workers 2 --seed 3 --samples 4000 --initial 30 --max-evaluations 30 --out out --quiet",
     );
     assert_eq!(study.summary("out")["evaluations"]["failed"], own.len());
     let samples = std::fs::read_to_string(study.file("out").join("samples.csv")).unwrap();

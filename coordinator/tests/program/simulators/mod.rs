@@ -236,7 +236,7 @@ fn a_sample_without_a_result_is_a_failed_simulation() {
     let reply = causes.iter().enumerate().fold(RIGHT.to_owned(), one);
     let Some(study) = study(&model("", &reply), "5 s") else { return };
     study.done(
-        "run study.toml --workers 2 --seed 3 --samples 4000 --initial 25 --max-evaluations 25 --out out --quiet",
+        "run study.toml --workers 2 --seed 3 --samples 4000 --initial 30 --max-evaluations 30 --out out --quiet",
     );
     assert_eq!(study.summary("out")["evaluations"]["failed"], causes.len());
     let samples = std::fs::read_to_string(study.file("out").join("samples.csv")).unwrap();
