@@ -6,52 +6,7 @@ use common::scene::{
     SceneSource, SimulatorKind,
 };
 
-const BEAM: &str = r#"
-[scene]
-name = "beam"
-
-[parameters]
-length = "2 m"
-
-[simulator]
-program = ["python3", "beam.py"]
-timeout = "2 min"
-
-[life]
-cycles = 300
-checkpoint_every = 100
-
-[[outputs]]
-name = "deflection"
-unit = "mm"
-
-[[outputs]]
-name = "margin"
-values = 1
-
-[[limit_states]]
-name = "bent"
-output = "deflection"
-threshold = 12.5
-
-[[limit_states]]
-name = "weak"
-output = "margin"
-threshold = -0.5
-fails = "below"
-
-[[variables]]
-name = "span"
-mean = "length / 2"
-std = "1 %"
-unit = "mm"
-
-[[variables]]
-name = "temperature"
-mean = 293
-std = 4
-unit = "K"
-"#;
+const BEAM: &str = include_str!("beam.toml");
 
 pub fn beam(from: &str, to: &str) -> String {
     assert!(BEAM.contains(from), "no \"{from}\"");
