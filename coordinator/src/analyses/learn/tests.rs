@@ -79,7 +79,7 @@ fn learned(
     let mut settings = LearnSettings::new(3);
     settings.ranks = false;
     // Enough where single variables were measured.
-    (settings.units.monte_carlo.particles, settings.units.population, settings.points) = (400, 4000, 3000);
+    (settings.units.monte_carlo.particles, settings.units.population) = (400, 6000);
     change(&mut settings);
     let summary = crate::tests::test_study::study().summary;
     learn(source.nominal(), &summary, model, &data, &[], &[], &settings)
@@ -135,36 +135,38 @@ fn a_unit_in_the_tail_leaves_the_exact_spread() {
     };
     let (mean, square) = (exact(|s| s), exact(|s| s * s));
     let std = (square - mean * mean).sqrt();
-    let change = |s: &mut LearnSettings| s.units.monte_carlo = LearnSettings::new(3).units.monte_carlo;
+    // The points count R alone.
+    let change =
+        |s: &mut LearnSettings| *s = LearnSettings { ranks: false, points: 3000, ..LearnSettings::new(3) };
     let report = learned(study(WEAR, wear), &text, change).unwrap();
     let found = &report.parameters[1];
     assert!(agrees(found, mean, std, report.effective_size), "{found:?}; exact {mean} {std}");
 }
 
 /// The offset is a design variable whose value is not known; flat within its range, it is normal about the mean wear less 25 um, with the
-/// standard deviation 3 um / sqrt(4) that the rates leave.
+/// standard deviation 3 um / sqrt(6) that the rates leave.
 #[test]
 fn the_value_of_a_design_variable_has_its_closed_form() {
     let text = WEAR.replace("\"normal\", mean = 2, std = 0.5", "\"uniform\", lower = -3, upper = 9");
     let (source, model) = study(&text, wear);
-    let wears = [27.1, 31.2, 24.0, 29.9];
+    let wears = [27.1, 31.2, 24.0, 29.9, 22.7, 33.1];
     let rows: String = (1..).zip(wears).map(|(k, y)| format!("U{k},1000,wear,{y} um,0.1 um\n")).collect();
     let data = parse_fleet(&format!("population,,offset\n{rows}"), "fleet.csv", &source, &model, Some(&[1]))
         .unwrap();
-    let mut settings = LearnSettings { ranks: false, points: 2000, ..LearnSettings::new(3) };
-    settings.units.population = 4000;
+    let mut settings = LearnSettings { ranks: false, points: 4000, ..LearnSettings::new(3) };
+    settings.units.population = 8000;
     let summary = crate::tests::test_study::study().summary;
     let report = learn(source.nominal(), &summary, model, &data, &[1], &[], &settings).unwrap();
     let [found] = &report.parameters[..] else { panic!("{:?}", report.parameters) };
     assert_eq!(found.name, "offset");
     let (mean, _) = moments(&wears);
-    assert!(agrees(found, mean - 25.0, (9.01_f64 / 4.0).sqrt(), report.effective_size), "{found:?} {mean}");
+    assert!(agrees(found, mean - 25.0, (9.01_f64 / 6.0).sqrt(), report.effective_size), "{found:?} {mean}");
 }
 
 #[test]
 fn a_normal_mean_has_the_conjugate_closed_form() {
     let text = format!("population,,offset.mean,1.5,0.2\n{}", measured_offsets());
-    let report = learned(study(WEAR, wear), &text, |s| s.sets = SETS).unwrap();
+    let report = learned(study(WEAR, wear), &text, |s| (s.sets, s.points) = (SETS, 3000)).unwrap();
     let (mean, _) = moments(&OFFSETS);
     let (prior, data) = (1.0 / 0.04, 12.0 / (0.25 + 1e-4));
     let exact = ((1.5 * prior + mean * data) / (prior + data), (prior + data).powf(-0.5));
@@ -175,7 +177,8 @@ fn a_normal_mean_has_the_conjugate_closed_form() {
 #[test]
 fn a_normal_mean_and_spread_have_the_conjugate_closed_form() {
     // Flat in mean and ln std: (mean - m) / (s / sqrt n) is Student's t of n - 1 degrees of freedom, (n - 1) s^2 / std^2 is chi-squared.
-    let report = learned(study(WEAR, wear), &measured_offsets(), |s| s.sets = SETS).unwrap();
+    let report =
+        learned(study(WEAR, wear), &measured_offsets(), |s| (s.sets, s.points) = (SETS, 3000)).unwrap();
     assert!(report.chosen_by_default && report.parameters.len() == 2, "{:?}", report.parameters);
     let ((mean, std), n) = (moments(&OFFSETS), 12.0);
     let [m, s] = [&report.parameters[0], &report.parameters[1]];
@@ -197,7 +200,7 @@ fn an_exponential_mean_with_suspensions_has_the_conjugate_closed_form() {
     let text: String =
         failed.iter().enumerate().map(lines).chain(running.iter().enumerate().map(suspended)).collect();
     // The tail of the inverse gamma distribution is heavy.
-    let report = learned(study(LIFE, excess), &text, |s| s.sets = 4 * SETS).unwrap();
+    let report = learned(study(LIFE, excess), &text, |s| s.sets = 6 * SETS).unwrap();
     // Flat in ln mean: the mean is inverse gamma with r failures and the total time T.
     let (r, total) = (6.0, failed.iter().chain(&running).sum::<f64>());
     let (mean, std) = (total / (r - 1.0), total / (r - 1.0) / f64::sqrt(r - 2.0));
@@ -215,7 +218,7 @@ fn units_that_no_population_explains_are_named() {
     let mut text = "population,,offset.mean,2,0.05\npopulation,,offset.std,0.5,0.01\n".to_owned();
     text += &measured_offsets();
     let odd = format!("{text}X,,offset,3.9,0.01\n");
-    let report = learned(study(WEAR, wear), &odd, |_| {}).unwrap();
+    let report = learned(study(WEAR, wear), &odd, |s| s.points = 8000).unwrap();
     assert_eq!(report.checks.len(), 1, "{:?}", report.checks);
     let check = &report.checks[0];
     assert!(check.unit == "X" && check.warning.contains("line 15) is improbable"), "{check:?}");
