@@ -215,76 +215,27 @@ fn small_scene() -> impl Strategy<Value = String> {
         let (foundation, weight, angle, stiffness) = words;
         let law = if foundation { "foundation" } else { "local-hertz" };
         let gravity = if weight { "gravity = [\"0 m/s^2\", \"-9.81 m/s^2\"]" } else { "" };
-        format!(
-            r#"
-[scene]
-name = "small"
-title = "A rod on a crank"
-{gravity}
-[materials.m]
-elastic_modulus = "{modulus:e} Pa"
-poisson_ratio = 0.3
-[[bodies]]
-name = "frame"
-motion = "fixed"
-points = {{ far = ["{reach:e} m", "0 m"] }}
-[[bodies]]
-name = "crank"
-motion = "driven"
-position = ["0 m", "0 m"]
-start_angle = "{angle} deg"
-speed = "{turns:e} rad/s"
-points = {{ pin = ["{crank:e} m", "0 m"] }}
-[[bodies]]
-name = "rod"
-motion = "free"
-mass = "{mass:e} kg"
-inertia = "{inertia:e} kg m^2"
-centre_of_mass = ["{half:e} m", "0 m"]
-start_position = ["{crank:e} m", "0 m"]
-start_angle = "0 deg"
-points = {{ pin = ["0 m", "0 m"], end = ["{rod:e} m", "0 m"] }}
-[[joints]]
-name = "pin"
-type = "clearance"
-journal = {{ body = "crank", point = "pin" }}
-bushing = {{ body = "rod", point = "pin" }}
-journal_radius = "{radius:e} m"
-radial_clearance = "{clearance:e} m"
-width = "{radius:e} m"
-journal_material = "m"
-bushing_material = "m"
-contact_law = "{law}"
-contact_damping = {{ hunt_crossley = "1 s/m" }}
-film_damping = "1 N s/m"
-friction = {friction}
-friction_speed = "1 mm/s"
-wear_coefficient = "{wear:e} 1/Pa"
-control_points = {points}
-[[loads]]
-name = "pull"
-type = "directional-spring"
-at = {{ body = "rod", point = "end" }}
-anchor = {{ body = "frame", point = "far" }}
-direction = [1, 0]
-stiffness = "{stiffness:e} N/m"
-free_length = "0 m"
-[[outputs]]
-name = "wear"
-type = "largest-wear"
-[[outputs]]
-name = "speed"
-type = "angular-velocity-difference"
-a = {{ body = "rod" }}
-b = {{ body = "crank" }}
-[life]
-cycles = 1000
-checkpoint_every = 1000
-"#,
-            reach = crank + rod,
-            inertia = mass * rod * rod / 12.0,
-            half = 0.5 * rod,
-        )
+        let numbers = [
+            ("clearance", clearance),
+            ("crank", crank),
+            ("half", 0.5 * rod),
+            ("inertia", mass * rod * rod / 12.0),
+            ("mass", mass),
+            ("modulus", modulus),
+            ("radius", radius),
+            ("reach", crank + rod),
+            ("rod", rod),
+            ("stiffness", stiffness),
+            ("turns", turns),
+            ("wear", wear),
+        ];
+        let text = include_str!("scenes/small.toml").replace("@law@", law).replace("@gravity@", gravity);
+        let text = text.replace("@points@", &points.to_string()).replace("@friction@", &friction.to_string());
+        let text = text.replace("@angle@", &angle.to_string());
+        let replaced = |text: String, (name, value): &(&str, f64)| {
+            text.replace(&format!("@{name}@"), &format!("{value:e}"))
+        };
+        numbers.iter().fold(text, replaced)
     })
 }
 

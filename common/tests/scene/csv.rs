@@ -147,47 +147,7 @@ fn a_list_with_one_unit_is_the_list_with_units() {
 #[test]
 fn a_fault_points_into_the_file_it_is_in() {
     let mut wrong = Vec::new();
-    for (from, to, place, says) in [
-        ("30,-0.125", "30,-0;125", "measured-torque.csv:3:4", "is not a finite number"),
-        ("30,-0.125", "30,-0,125", "measured-torque.csv:3:1", "decimal commas"),
-        (
-            "60,",
-            "20,",
-            "measured-torque.csv:4:1",
-            "20 deg is out of range, allowed: > 30 deg, the argument before it",
-        ),
-        ("[N m]", "[N]", "measured-torque.csv:1:24", "\"1 N\" is a force, expected a torque"),
-        ("[N m]", "[Nm]", "measured-torque.csv:1:24", "did you mean `N m`?"),
-        (" [deg]", "", "measured-torque.csv:1:2", "is missing, expected the unit of an angle"),
-        ("360,-0.1", "360,-0.3", "measured-torque.csv:1:16", "ends with the value it starts with"),
-        ("\"torque\"]", "\"torqe\"]", "measured.toml:12:89", "did you mean \"torque [N m]\"?"),
-        (
-            ", columns = [\"angle\", \"torque\"]",
-            ", columns = [\"angle\"]",
-            "measured.toml:12:79",
-            "the two columns",
-        ),
-        ("csv = \"measured-torque.csv\"", "csv = \"torque.csv\"", "measured.toml:12:46", "cannot be read"),
-        ("columns = [", "colums = [", "measured.toml:12:69", "did you mean \"columns\"?"),
-        (
-            "csv = \"measured-torque.csv\"",
-            "at = [], csv = \"measured-torque.csv\"",
-            "measured.toml:12:55",
-            "give either csv, or at and value",
-        ),
-        (", column = \"gap\"", "", "measured.toml:16:11", "the file has: unit, gap [um]"),
-        ("\n3;", "\n3;0,5#", "measured-clearances.csv:5:3", "is not a"),
-        ("gap [um]", "gap [N]", "measured-clearances.csv:2:11", "expected a length"),
-        ("\n1;", "\n1;-", "measured-clearances.csv:3:3", "> 0 in this family"),
-        ("fit = \"lognormal\"", "fit = \"lognormel\"", "measured.toml:17:7", "did you mean \"lognormal\"?"),
-        ("fit = \"lognormal\"", "std = \"1 um\"", "measured.toml:17:7", "give either samples or this key"),
-        (
-            "samples = { csv = \"measured-clearances.csv\", column = \"gap\" }",
-            "",
-            "measured.toml:17:7",
-            "add samples = ",
-        ),
-    ] {
+    for [from, to, place, says] in crate::rows("a_fault_points_into_the_file_it_is_in") {
         let Err(found) = changed(from, to) else { panic!("{to} is no fault") };
         let fault = found.iter().find(|fault| fault.to_string().contains(says));
         let Some(fault) = fault else {

@@ -82,32 +82,7 @@ fn expressions_carry_their_dimension() {
 
 #[test]
 fn faulty_expressions_say_why() {
-    for (text, reason) in [
-        ("", "is empty"),
-        ("1 +", "ends too early"),
-        ("1 mm + 2 N", "cannot add a length and a force"),
-        ("rod_length - 1", "cannot subtract a length and a plain number"),
-        ("sin(1 mm)", "sin of a length, expected an angle"),
-        ("sqrt(2 mm)", "sqrt of a length"),
-        ("rod_lenght", "no unit, parameter or function `rod_lenght`"),
-        ("3 furlong", "unknown unit `furlong`"),
-        ("mm", "a number before the unit"),
-        ("1 N/m s", "ambiguous"),
-        ("2 ^ 0.5", "whole numbers"),
-        ("2 ^ 13", "whole numbers"),
-        ("1 / 0", "no finite value"),
-        ("1e400 mm", "no finite value"),
-        ("sqrt(-1)", "no finite value"),
-        ("(1", "ends too early, expected `)`"),
-        ("1 2", "unexpected `2`"),
-        ("1 $", "unexpected character `$`"),
-        ("1.5 Hz", "unknown unit `Hz`, did you mean `r/s`?"),
-        ("2 Nm", "unknown unit `Nm`, did you mean `N m`?"),
-        ("9.81 m/sec^2", "function `sec`, did you mean `s`?"),
-        ("1,5 mm", "unexpected character `,`: use a decimal point"),
-        ("30 °", "unexpected character `°`: write `deg`"),
-        ("exp(1)", "no unit, parameter or function `exp`"),
-    ] {
+    for [text, reason] in crate::rows("faulty_expressions_say_why") {
         let found = error(text);
         assert!(found.contains(reason), "{text}: {found}");
     }

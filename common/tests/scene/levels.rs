@@ -32,17 +32,7 @@ fn the_first_level_is_the_accuracy() {
 
 #[test]
 fn levels_out_of_order_are_refused() {
-    for (study, expected) in [
-        ("levels = [\"balanced\", \"draft\"]", "level \"draft\" is not finer than \"balanced\""),
-        ("levels = [\"draft\", \"draft\"]", "level \"draft\" is not finer than \"draft\""),
-        (
-            "levels = [\"draft\", \"balanced\", \"reference\", \"reference+points-x2\"]",
-            "4 levels; allowed: one to 3",
-        ),
-        ("levels = [\"draft\", \"fine\"]", "study.levels: \"fine\" is neither a preset"),
-        ("levels = \"draft\"", "study.levels"),
-        ("accuracy = \"draught\"\nlevels = [\"draft\"]", "study.accuracy: \"draught\" is neither a preset"),
-    ] {
+    for [study, expected] in crate::rows("levels_out_of_order_are_refused") {
         let found = four_bar(study).expect_err(study);
         assert!(found.contains(expected), "{study}: {found}");
     }

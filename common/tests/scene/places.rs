@@ -19,41 +19,7 @@ fn piece(fault: &Fault) -> String {
 
 #[test]
 fn a_fault_points_at_what_is_to_be_changed() {
-    for (from, to, at, says) in [
-        (
-            "width = \"width\"",
-            "width = \"20 mmm\"",
-            "mmm",
-            "did you mean `mm`? (units of a length: mm, um, m, km",
-        ),
-        ("\"206 GPa\"", "\"206 Gpa\"", "Gpa", "did you mean `GPa`? (units of a pressure: GPa, MPa, Pa"),
-        ("width = \"width\"", "width = \"20,5 mm\"", ",", "use a decimal point"),
-        ("width = \"width\"", "width = \"2 width\"", "width", "expected an operator"),
-        ("width = \"width\"", "width = \"3 * widht\"", "widht", "did you mean `width`?"),
-        ("width = \"width\"", "widht = \"1 mm\"\nwidth = \"width\"", "widht", "did you mean \"width\"?"),
-        ("width = \"width\"", "width = \"1.5 N\"", "\"1.5 N\"", "expected a length"),
-        ("width = \"width\"", "width = \"1 mm + 1 N\"", "\"1 mm + 1 N\"", "cannot add"),
-        ("friction_speed = \"friction_speed\"\n", "", "\"crank\"", "is missing"),
-        ("cycles = 8000\n", "", "[life]", "is missing"),
-        ("[\"ground_length\", \"0 mm\"]", "[\"ground_length\", \"0 N\"]", "\"0 N\"", "expected a length"),
-        ("std = \"2 um\"", "std = \"11 um\"", "\"clearance_crank\"", "a bound of this variable"),
-        ("[[loads]]", "[loads]", "[loads]", "expected a list of tables"),
-        ("width = \"10 mm\"", "mm = 3\nwidth = \"10 mm\"", "mm", "it is a unit"),
-        ("width = \"10 mm\"", "\"a b\" = 3\nwidth = \"10 mm\"", "\"a b\"", "have letters, digits"),
-        ("friction = 0.05", "friction = -0.05", "-0.05", "allowed: 0 to 2"),
-        ("width = \"10 mm\"", "width = 10", "10", "is a plain number"),
-        // Syntax.
-        (
-            "width = \"10 mm\"",
-            "width = \u{201c}10 mm\u{201d}",
-            "\u{201c}10 mm\u{201d}",
-            "use straight quotes",
-        ),
-        ("title = ", "title ", "\"", "expected `=`"),
-        ("width = \"width\"", "width = 20 mm", "20 mm", "is a text: \"20 mm\""),
-        ("friction = 0.05", "friction = 0,05", ",", "use a decimal point: 0.05"),
-        ("[\"ground_length\", \"0 mm\"]", "[10 mm, \"0 mm\"]", "10 mm", "is a text: \"10 mm\""),
-    ] {
+    for [from, to, at, says] in crate::rows("a_fault_points_at_what_is_to_be_changed") {
         let (found, text) = faults(from, to);
         let fault = found.iter().find(|fault| fault.to_string().contains(says));
         let fault = fault.unwrap_or_else(|| panic!("{to}: {found:#?}"));

@@ -85,77 +85,14 @@ fn one_fault(keys: &str, expected: &str) {
 
 #[test]
 fn keys_that_a_law_does_not_take_or_misses() {
-    for (keys, expected) in [
-        ("distribution = \"normal\"", ".std: is missing, expected a quantity, or a share of the mean"),
-        (
-            "distribution = \"normal\"\nstd = \"2 um\"\nlower = \"1 um\"",
-            ".lower: unknown key; allowed here: name, changes, unit, distribution, mean, std",
-        ),
-        ("distribution = \"uniform\"\nlower = \"20 um\"", ".upper: is missing, expected a bound"),
-        (
-            "distribution = \"uniform\"\nlower = \"20 um\"\nupper = \"40 um\"\nstd = \"1 um\"",
-            ": give either lower and upper, or std with the mean, not both",
-        ),
-        (
-            "distribution = \"exponential\"\nlower = \"20 um\"\nstd = \"1 um\"",
-            ": give either lower, where the distribution begins, or std",
-        ),
-        (
-            "distribution = \"exponential\"\nlower = \"40 um\"",
-            ".lower: \"40 um\" is out of range, allowed: < ",
-        ),
-        ("distribution = \"beta\"\nstd = \"1 um\"\nlower = \"20 um\"", ".upper: is missing"),
-        (
-            "distribution = \"beta\"\nstd = \"9.9 um\"\nlower = \"20 um\"\nupper = \"40 um\"",
-            ".std: \"9.9 um\" is out of range, allowed: > ",
-        ),
-        (
-            "distribution = \"triangular\"\nlower = \"20 um\"\nmode = \"50 um\"\nupper = \"40 um\"",
-            ": the bounds 0.02 mm and 0.04 mm do not enclose the mode 0.05 mm",
-        ),
-        ("distribution = \"constant\"\nstd = \"1 um\"", ".std: unknown key"),
-        (
-            "distribution = \"lognormal\"\nmean = \"-3 um\"\nstd = \"1 um\"",
-            ".mean: \"-3 um\" is out of range",
-        ),
-        ("distribution = \"weibull\"\nstd = \"1 nm\"", ".std: \"1 nm\" is out of range, allowed: > 3e-5 mm"),
-        ("distribution = \"nromal\"\nstd = \"1 um\"", "did you mean \"normal\"?"),
-        (
-            "distribution = \"normal\"\nstd = \"9 um\"",
-            "a 1e-6 tail quantile of this variable, the scene is invalid: joints.crank.radial_clearance",
-        ),
-    ] {
+    for [keys, expected] in crate::rows("keys_that_a_law_does_not_take_or_misses") {
         one_fault(keys, expected);
     }
 }
 
 #[test]
 fn fits_that_cannot_be() {
-    for (keys, expected) in [
-        ("fit = \"H7/e8\"", "variables.clearance_crank.diameter: is missing, expected a length"),
-        (
-            "fit = \"H7/p6\"\ndiameter = \"8 mm\"",
-            "variables.clearance_crank.fit: H7/p6 at 8 mm has a clearance of",
-        ),
-        (
-            "fit = \"H7/e8\"\ndiameter = \"800 mm\"",
-            "variables.clearance_crank.diameter: a diameter of 800 mm",
-        ),
-        (
-            "fit = \"H7-e8\"\ndiameter = \"8 mm\"",
-            "variables.clearance_crank.fit: \"H7-e8\" is not a tolerance class",
-        ),
-        ("fit = \"H7\"\ndiameter = \"8 mm\"", "\"H7\" is the class of one part; a clearance needs both"),
-        (
-            "fit = \"H7/e8\"\ndiameter = \"8 mm\"\nstd = \"2 um\"",
-            "give either fit, or mean and std, not both",
-        ),
-        (
-            "fit = \"H7/e8\"\ndiameter = \"8 mm\"\ncapability = 0",
-            ".capability: 0 is out of range, allowed: 0.1 to 10",
-        ),
-        ("std = \"2 um\"\ndiameter = \"8 mm\"", ".diameter: unknown key"),
-    ] {
+    for [keys, expected] in crate::rows("fits_that_cannot_be") {
         one_fault(keys, expected);
     }
     let elsewhere = |changes: &str, fit: &str| {

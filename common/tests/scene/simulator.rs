@@ -6,52 +6,7 @@ use common::scene::{
     SceneSource, SimulatorKind,
 };
 
-const BEAM: &str = r#"
-[scene]
-name = "beam"
-
-[parameters]
-length = "2 m"
-
-[simulator]
-program = ["python3", "beam.py"]
-timeout = "2 min"
-
-[life]
-cycles = 300
-checkpoint_every = 100
-
-[[outputs]]
-name = "deflection"
-unit = "mm"
-
-[[outputs]]
-name = "margin"
-values = 1
-
-[[limit_states]]
-name = "bent"
-output = "deflection"
-threshold = 12.5
-
-[[limit_states]]
-name = "weak"
-output = "margin"
-threshold = -0.5
-fails = "below"
-
-[[variables]]
-name = "span"
-mean = "length / 2"
-std = "1 %"
-unit = "mm"
-
-[[variables]]
-name = "temperature"
-mean = 293
-std = 4
-unit = "K"
-"#;
+const BEAM: &str = include_str!("beam.toml");
 
 pub fn beam(from: &str, to: &str) -> String {
     assert!(BEAM.contains(from), "no \"{from}\"");
@@ -267,26 +222,7 @@ fn limits_are_above_below_or_two() {
         let two = with(limits).unwrap();
         assert_eq!((two.threshold, two.fails), (8e-6, Fails::Outside { lower: 2e-6 }));
     }
-    for (limits, expected) in [
-        ("lower = \"2 um\"", "limit_states.wear.upper: is missing"),
-        ("fails = \"outside\"", "limit_states.wear.lower: is missing"),
-        ("", "limit_states.wear.threshold: is missing"),
-        ("lower = \"8 um\"\nupper = \"2 um\"", "limit_states.wear.lower: expected lower < upper"),
-        ("lower = \"0 um\"\nupper = \"2 um\"", "limit_states.wear.lower: \"0 um\" is out of range"),
-        (
-            "lower = \"2 um\"\nupper = \"8 N\"",
-            "limit_states.wear.upper: \"8 N\" is a force, expected a length",
-        ),
-        (
-            "threshold = \"8 um\"\nupper = \"9 um\"",
-            "limit_states.wear.threshold: expected threshold, or lower and upper",
-        ),
-        (
-            "lower = \"2 um\"\nupper = \"8 um\"\nfails = \"below\"",
-            "limit_states.wear.lower: expected threshold, or lower",
-        ),
-        ("threshold = \"8 um\"\nfails = \"beside\"", "limit_states.wear.fails: "),
-    ] {
+    for [limits, expected] in crate::rows("limits_are_above_below_or_two") {
         let said = with(limits).unwrap_err().to_string();
         assert!(said.contains(expected), "{limits}: found {said}, expected {expected}");
     }
@@ -371,22 +307,7 @@ fn joints_of_a_program_that_gives_cycles_are_read() {
 
 #[test]
 fn faults_of_a_program_that_gives_cycles_are_named() {
-    for (from, to, said) in [
-        ("tier = \"contact\"\n", "", "simulator.tier: is missing, expected one of contact, reaction"),
-        ("gives = \"cycle\"", "gives = \"cycles\"", "simulator.gives: "),
-        ("type = \"largest-wear\"", "type = \"driving-torque\"", "outputs.depth.type: "),
-        ("type = \"clearance\"", "type = \"revolute\"", "joints.pin.type: "),
-        ("period = \"50 ms\"\n", "", "life.period: is missing"),
-        ("joints = [\"pin\"]", "joints = [\"pen\"]", "outputs.depth.joints"),
-        ("share = 0.8", "share = 0.7", "conditions: the shares add up to 0.9, not to 1"),
-        (
-            "parameters.worn = ",
-            "joints.pin.width = \"9 mm\", parameters.worn = ",
-            "changes the bore of joint \"pin\"",
-        ),
-        ("mean = \"3 N m\"\n", "", "variables.load.mean: is missing"),
-        ("[\"parameters.worn\"]", "[\"parameters.warn\"]", "variables.wear.changes"),
-    ] {
+    for [from, to, said] in crate::rows("faults_of_a_program_that_gives_cycles_are_named") {
         assert!(CYCLE.contains(from), "{from}");
         let faults =
             SceneSource::parse(&CYCLE.replacen(from, to, 1), "cycle.toml").expect_err(to).to_string();

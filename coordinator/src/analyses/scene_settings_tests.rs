@@ -155,7 +155,7 @@ fn written(quantity: &Quantity, value: f64) -> String {
 #[test]
 fn issue_set_of_every_key_of_every_scene_is_the_edited_scene() {
     let (mut compared, mut refused) = (0, 0);
-    // Scenes that extend another one have most of its keys.
+    // One key of a kind, such as the radial clearances of all joints of all scenes; every parameter.
     let mut seen = BTreeSet::new();
     for name in SceneSource::builtin_names() {
         let source = SceneSource::builtin(name).unwrap();
@@ -164,7 +164,13 @@ fn issue_set_of_every_key_of_every_scene_is_the_edited_scene() {
             if source.variables().iter().any(|variable| variable.changes.iter().any(changed)) {
                 continue; // Refused: its random variable is to be set.
             }
-            if !seen.insert(key.clone()) {
+            let words: Vec<&str> = key.split('.').collect();
+            let kind = if words[0] == "parameters" {
+                key.clone()
+            } else {
+                [words[0], words[words.len() - 1]].concat()
+            };
+            if !seen.insert(kind) {
                 continue;
             }
             let setting = format!("{key}={}", written(quantity, quantity.value * 1.001));
@@ -179,7 +185,7 @@ fn issue_set_of_every_key_of_every_scene_is_the_edited_scene() {
             compared += 1;
         }
     }
-    assert!(compared > 150 && refused < compared / 10, "{compared} compared, {refused} refused");
+    assert!(compared > 60 && refused < compared / 10, "{compared} compared, {refused} refused");
 }
 
 #[test]

@@ -44,23 +44,18 @@ fn issue_early_lives_of_a_wide_lifetime_were_stated_wrongly() {
     let sigma = (1.0 + (std / mean).powi(2)).ln().sqrt();
     let median = mean * (-0.5 * sigma * sigma).exp();
     let checkpoints: Vec<u32> = (1..=40).map(|k| 50 * k).collect();
-    for seed in [1, 2] {
-        let inputs = InputModel::from(&[Distribution::lognormal(mean, std).unwrap()]);
-        let response = |x: &[f64]| vec![checkpoints.iter().map(|n| f64::from(*n) / x[0]).collect()];
-        let learned = learn(inputs, 1, checkpoints.clone(), settings(1, seed), response);
-        assert!(learned.evaluations <= 60, "seed {seed}: {} calls", learned.evaluations);
-        for (n, cycles) in checkpoints.iter().enumerate() {
-            let exact = 1.0 - standard_normal_cdf((f64::from(*cycles) / median).ln() / sigma);
-            let (found, half_width) = interval(&learned, n);
-            // Four standard errors of the population besides.
-            let scatter = 4.0 * (exact * (1.0 - exact) / 1e5).sqrt();
-            assert!(
-                (found - exact).abs() < 2.0 * half_width + scatter,
-                "seed {seed}: R({cycles}) {found} {exact}"
-            );
-            if cycles == &200 {
-                assert!(((1.0 - found) / (1.0 - exact) - 1.0).abs() < 0.1, "seed {seed}: {found} {exact}");
-            }
+    let inputs = InputModel::from(&[Distribution::lognormal(mean, std).unwrap()]);
+    let response = |x: &[f64]| vec![checkpoints.iter().map(|n| f64::from(*n) / x[0]).collect()];
+    let learned = learn(inputs, 1, checkpoints.clone(), settings(1, 1), response);
+    assert!(learned.evaluations <= 60, "{} calls", learned.evaluations);
+    for (n, cycles) in checkpoints.iter().enumerate() {
+        let exact = 1.0 - standard_normal_cdf((f64::from(*cycles) / median).ln() / sigma);
+        let (found, half_width) = interval(&learned, n);
+        // Four standard errors of the population besides.
+        let scatter = 4.0 * (exact * (1.0 - exact) / 1e5).sqrt();
+        assert!((found - exact).abs() < 2.0 * half_width + scatter, "R({cycles}) {found} {exact}");
+        if cycles == &200 {
+            assert!(((1.0 - found) / (1.0 - exact) - 1.0).abs() < 0.1, "{found} {exact}");
         }
     }
 }
@@ -86,21 +81,18 @@ fn issue_a_region_in_the_bulk_was_not_seen() {
         vec![vec![0.35 * (x[0] + x[1]) / 2.0_f64.sqrt() + 1.1 * bump]]
     };
     let normal = Distribution::normal(0.0, 1.0).unwrap();
-    for seed in [1, 2] {
-        let inputs = InputModel::from(&vec![normal.clone(); 2]);
-        let learned = learn(inputs, 1, vec![1], settings(2, seed), response);
-        let population = &learned.classified.population;
-        let failed =
-            (0..population.len()).filter(|j| response(&population.physical(*j))[0][0] >= 1.0).count();
-        let truth = failed as f64 / population.len() as f64;
-        let (found, half_width) = interval(&learned, 0);
-        assert!(
-            (1.0 - found - truth).abs() < 2.0 * half_width,
-            "seed {seed}: {} +- {half_width} for {truth}, {} calls",
-            1.0 - found,
-            learned.evaluations
-        );
-    }
+    let inputs = InputModel::from(&vec![normal; 2]);
+    let learned = learn(inputs, 1, vec![1], settings(2, 1), response);
+    let population = &learned.classified.population;
+    let failed = (0..population.len()).filter(|j| response(&population.physical(*j))[0][0] >= 1.0).count();
+    let truth = failed as f64 / population.len() as f64;
+    let (found, half_width) = interval(&learned, 0);
+    assert!(
+        (1.0 - found - truth).abs() < 2.0 * half_width,
+        "{} +- {half_width} for {truth}, {} calls",
+        1.0 - found,
+        learned.evaluations
+    );
 }
 
 #[test]

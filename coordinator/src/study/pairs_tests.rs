@@ -47,13 +47,7 @@ fn study(
 
 fn settings() -> Settings {
     let source = SceneSource::builtin("four-bar").unwrap();
-    Settings {
-        samples: 20_000,
-        initial: 20,
-        max_evaluations: 60,
-        seed: 3,
-        ..Settings::from(source.nominal())
-    }
+    Settings { samples: 6000, initial: 20, max_evaluations: 60, seed: 3, ..Settings::from(source.nominal()) }
 }
 
 /// R at the sixth checkpoint, its interval and its numerical part, and the exact R of the same population.
@@ -127,7 +121,7 @@ fn an_exact_finest_level_that_differs_by_a_function_of_the_variables_is_followed
         let history = (1..=4).map(|n| y - 0.5 * f64::from(4 - n)).collect();
         Ok(Evaluation::from_histories((1..=4).map(|n| 100 * n).collect(), vec![history]))
     };
-    let settings = Settings { samples: 20_000, seed: 3, ..Settings::from(scene) };
+    let settings = Settings { samples: 6000, seed: 3, ..Settings::from(scene) };
     let mut evaluator = LocalEvaluator::new(2, evaluate);
     let found =
         run(scene, &settings, &mut evaluator, &mut InMemoryJournal::default(), &mut Silent).unwrap().summary;

@@ -119,7 +119,7 @@ mod tests {
             evaluated.push((x.to_vec(), outcome.clone()));
             outcome
         };
-        let learned = Campaign::new(problem(5.0, 0.5), plan(5_000, 60)).learn_from(simulate, |_| {}).unwrap();
+        let learned = Campaign::new(problem(5.0, 0.5), plan(2_000, 36)).learn_from(simulate, |_| {}).unwrap();
         (learned, evaluated)
     }
 
@@ -138,7 +138,7 @@ mod tests {
         assert!(largest_difference(&once, &right) < 2e-3, "{}", largest_difference(&once, &right));
         // From its stored outcomes, and with the wrong value believed.
         let stored =
-            Campaign::with_results(problem(5.0, 0.5), plan(5_000, evaluated.len()), evaluated.clone());
+            Campaign::with_results(problem(5.0, 0.5), plan(2_000, evaluated.len()), evaluated.clone());
         let stored = stored.learn_from(|_| unreachable!("no budget"), |_| {}).unwrap();
         assert!(largest_difference(&stored, &right) < 2e-3);
         let mut samples: Vec<Vec<f64>> = Vec::new();
@@ -148,7 +148,7 @@ mod tests {
             is_new
         };
         let believed: Vec<_> = evaluated.into_iter().filter(first).collect();
-        let believed = Campaign::with_results(problem(5.0, 0.5), plan(5_000, believed.len()), believed);
+        let believed = Campaign::with_results(problem(5.0, 0.5), plan(2_000, believed.len()), believed);
         let believed = believed.learn_from(|_| unreachable!("no budget"), |_| {}).unwrap();
         assert!(largest_difference(&believed, &right) > 2e-2, "{}", largest_difference(&believed, &right));
     }

@@ -14,6 +14,7 @@ use crate::results::timing::Timing;
 use crate::statistics::design::{InputModel, Population};
 use common::outputs::Evaluation;
 use common::scene::{Scene, SceneSource};
+use std::sync::LazyLock;
 
 /// Threshold of the scene [m].
 const LIMIT: f64 = 8e-6;
@@ -25,7 +26,7 @@ fn scene() -> Scene {
 fn settings() -> Settings {
     let of_scene = Settings::from(&scene());
     Settings {
-        samples: 20_000,
+        samples: 6000,
         initial: 20,
         max_evaluations: 60,
         seed: 3,
@@ -47,18 +48,14 @@ fn evaluation(scene: &Scene, sample: &[f64], of: impl Fn(f64) -> f64) -> Evaluat
     Evaluation::from_histories((1..=8).map(|n| 1000 * n).collect(), vec![wear.clone(), wear])
 }
 
-/// Outcomes of a study.
-fn studied(scene: &Scene) -> Vec<StoredOutcome> {
-    let mut journal = InMemoryJournal::default();
+/// Outcomes of the study.
+static STUDIED: LazyLock<Vec<StoredOutcome>> = LazyLock::new(|| {
+    let (scene, mut journal) = (&scene(), InMemoryJournal::default());
     let mut evaluator =
         LocalEvaluator::new(2, |request: &Request| Ok(evaluation(scene, &request.sample, |y| y)));
     run(scene, &settings(), &mut evaluator, &mut journal, &mut Silent).unwrap();
-    let stored = |(sample, finished): &(Vec<f64>, crate::farm::evaluate::Finished)| StoredOutcome {
-        sample: sample.clone(),
-        outcome: finished.outcome.clone().map(Observed::from_evaluation),
-    };
-    journal.outcomes().values().map(stored).collect()
-}
+    crate::tests::stored(&journal)
+});
 
 fn summary(scene: &Scene, learned: &CampaignResult) -> StudySummary {
     curves_from_learning(scene, &settings(), learned).result(scene, Timing::default(), vec![]).summary
@@ -70,10 +67,9 @@ fn learn(
     of: impl Fn(f64) -> f64 + Sync,
 ) -> (StudySummary, StudySummary, usize) {
     let (scene, settings) = (scene(), settings());
-    let outcomes = studied(&scene);
     let stored = match correction {
-        None => outcomes,
-        Some(correction) => correction.correct_all(outcomes),
+        None => STUDIED.clone(),
+        Some(correction) => correction.correct_all(STUDIED.clone()),
     };
     let study = StudyOfVariants { scene: &scene, settings: &settings, stored: &stored, correction };
     let base = study.base().unwrap();
@@ -88,16 +84,18 @@ fn learn(
     (summary(&scene, &base), summary(&scene, &learned), evaluations)
 }
 
+/// The study and a variant that wears faster by a twentieth.
+static SHIFTED: LazyLock<(StudySummary, StudySummary, usize)> = LazyLock::new(|| learn(None, |y| 1.05 * y));
+
 #[test]
 fn a_variant_that_is_the_study_differs_in_no_bit() {
     let scene = scene();
-    let outcomes = studied(&scene);
     let finer = |one: &StoredOutcome| {
         let finer = evaluation(&scene, &one.sample, |y| 1.01 * y);
         (1, StoredOutcome { sample: one.sample.clone(), outcome: Ok(Observed::from_evaluation(finer)) })
     };
-    let pairs: Vec<(u8, StoredOutcome)> = outcomes.iter().take(6).map(finer).collect();
-    let correction = Correction::from_stored(&scene, &outcomes, &pairs);
+    let pairs: Vec<(u8, StoredOutcome)> = STUDIED.iter().take(6).map(finer).collect();
+    let correction = Correction::from_stored(&scene, &STUDIED, &pairs);
     assert!(correction.is_some());
     for correction in [None, correction.as_ref()] {
         let (base, variant, evaluations) = learn(correction, |y| y);
@@ -108,8 +106,8 @@ fn a_variant_that_is_the_study_differs_in_no_bit() {
 
 #[test]
 fn a_known_shift_is_found_with_six_pairs() {
-    let (base, variant, evaluations) = learn(None, |y| 1.05 * y);
-    assert_eq!(evaluations, 6);
+    let (base, variant, evaluations) = &*SHIFTED;
+    assert_eq!(*evaluations, 6);
     // R at the sixth checkpoint is the share of the population whose wear, 5 % larger, is below the limit.
     let (scene, settings) = (scene(), settings());
     let population = Population::draw(InputModel::from_scene(&scene), settings.samples, settings.seed);
@@ -133,11 +131,15 @@ fn a_known_shift_is_found_with_six_pairs() {
 #[test]
 fn a_difference_that_scatters_widens_the_interval() {
     let scattered = |y: f64| 1.05 * y * (1.0 + 0.02 * (1e12 * y).sin());
-    let (_, smooth, _) = learn(None, |y| 1.05 * y);
     let (_, rough, evaluations) = learn(None, scattered);
     let width = |summary: &StudySummary| {
         let interval = summary.reliability[5].interval_of("total").unwrap();
         interval.upper - interval.lower
     };
-    assert!(width(&rough) > 2.0 * width(&smooth) && evaluations > 6, "{} {}", width(&rough), width(&smooth));
+    assert!(
+        width(&rough) > 2.0 * width(&SHIFTED.1) && evaluations > 6,
+        "{} {}",
+        width(&rough),
+        width(&SHIFTED.1)
+    );
 }

@@ -1,24 +1,11 @@
 //! What the real `coordinator` answers to bad input: one clear message on standard error, the right exit code,
 //! nothing on standard output.
 
+use crate::{coordinator, refused};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 const FOUR_BAR: &str = include_str!("../../../common/scenes/four-bar.toml");
-
-fn coordinator(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_coordinator")).args(arguments).output().unwrap()
-}
-
-/// Exit code and standard error of a command that must fail.
-#[track_caller]
-fn refused(arguments: &[&str], code: i32) -> String {
-    let output = coordinator(arguments);
-    let message = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {message}");
-    assert!(output.stdout.is_empty(), "{arguments:?} printed a result");
-    message
-}
 
 /// Exactly one line that starts with `error:` and contains all of `parts`.
 #[track_caller]
@@ -167,74 +154,6 @@ fn a_linkage_that_cannot_be_assembled_or_is_tied_twice_names_its_joint() {
     let file = scene_file(folder.path(), "\n[[loads]]", &format!("{twins}\n[[loads]]"));
     let tied = refused(&["check", file.to_str().unwrap()], 2);
     first_message(&tied, &["over-constrained: joint second", "give one of the joints a clearance"]);
-}
-
-/// What a user of ideal joints and their outputs mistypes, in the slider-crank.
-#[test]
-fn faulty_ideal_joints_and_outputs() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("scene.toml");
-    let slider_crank = include_str!("../../../common/scenes/slider-crank.toml");
-    for (from, to, parts) in [
-        (
-            "axis = \"0 deg\"",
-            "axis = \"0 deg\"\njournal_radius = \"2 mm\"",
-            &["joints.guide.journal_radius: unknown key; allowed here: name, type, a, b, axis, angle"][..],
-        ),
-        (
-            "joints = [\"piston_pin\"]",
-            "joints = [\"pistn_pin\"]",
-            &["outputs.pin_force.joints", "did you mean \"piston_pin\"?"],
-        ),
-        (
-            "speed = \"5000 r/min\"",
-            "speed = { over = \"time\", at = [\"0 s\", \"8 ms\", \"4 ms\"], value = [\"9 r/min\", \"8 r/min\", \"9 r/min\"] }",
-            &["bodies.crank.speed.at.3", "0.004 s", "allowed: > 0.008 s"],
-        ),
-        ("name = \"wear\"", "name = \"total\"", &["limit_states.total.name", "\"total\" cannot be a name"]),
-        (
-            "type = \"largest-wear\"",
-            "type = \"largest-wear\"\njoints = [\"guide\"]",
-            &[
-                "outputs.max_wear_depth.joints: joint \"guide\" is ideal and does not wear; there are: piston_pin",
-            ],
-        ),
-        (
-            "type = \"driving-torque\"\nbody = \"crank\"",
-            "type = \"driving-torque\"\nbody = \"rod\"",
-            &["outputs.crank_torque.body: body \"rod\" is not driven; there are: crank"],
-        ),
-        (
-            "at = { body = \"slider\", point = \"pin\" }",
-            "at = { body = \"crank\", point = \"pin\" }",
-            &["outputs.slider_error.at: body \"crank\" is not free; there are: rod, slider"],
-        ),
-        (
-            "type = \"driving-torque\"\nbody = \"crank\"",
-            "type = \"backlash\"\nbody = \"crank\"",
-            &["outputs.crank_torque.body: body \"crank\" is not free; there are: rod, slider"],
-        ),
-        (
-            "type = \"driving-torque\"\nbody = \"crank\"",
-            "type = \"backlash\"\nbody = \"rod\"\ninput = \"slider\"\ninput_angle = \"1 deg\"",
-            &["outputs.crank_torque.input: body \"slider\" is not driven; there are: crank"],
-        ),
-        (
-            "type = \"driving-torque\"\nbody = \"crank\"",
-            "type = \"backlash\"\nbody = \"rod\"\ninput = \"crank\"",
-            &["outputs.crank_torque.input_angle", "missing", "an angle at which the input is held"],
-        ),
-        (
-            "type = \"driving-torque\"\nbody = \"crank\"",
-            "type = \"backlash\"\nbody = \"rod\"\ninput_angle = \"1 mm\"",
-            &["outputs.crank_torque.input_angle", "angle"],
-        ),
-    ] {
-        assert!(slider_crank.contains(from), "{from}");
-        std::fs::write(&path, slider_crank.replacen(from, to, 1)).unwrap();
-        let message = refused(&["check", path.to_str().unwrap()], 2);
-        first_message(&message, parts);
-    }
 }
 
 #[test]

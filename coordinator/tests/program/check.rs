@@ -1,17 +1,7 @@
 //! `coordinator check`, and messages about files and folders that are not what a command expects.
 
+use crate::{coordinator, printed};
 use common::scene::SceneSource;
-use std::process::{Command, Output};
-
-fn coordinator(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_coordinator")).args(arguments).output().unwrap()
-}
-
-fn printed(arguments: &[&str]) -> String {
-    let output = coordinator(arguments);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
-}
 
 #[test]
 fn issue_a_check_could_not_be_had_without_a_simulation() {

@@ -1,10 +1,10 @@
 //! How studies end, are refused, read and gone on with, by the real `coordinator`. The simulators are programs in Python.
 
+use crate::study_folder::{StudyFolder, said};
 use serde_json::Value;
-use std::io::Write;
 use std::os::unix::fs::PermissionsExt;
 use std::os::unix::process::CommandExt;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
 use std::time::{Duration, Instant};
 
@@ -34,49 +34,14 @@ fn model(reply: &str) -> String {
     )
 }
 
-/// A folder with a scene and its model.
-struct Study {
-    folder: tempfile::TempDir,
+/// The study with a model; `None`, with a message, if Python is not installed.
+fn study(reply: &str) -> Option<StudyFolder> {
+    StudyFolder::new("ends of studies", SCENE, &model(reply))
 }
 
-impl Study {
-    /// `None`, with a message, if Python is not installed.
-    fn new(reply: &str) -> Option<Self> {
-        let python = Command::new("python3").arg("--version").output();
-        if !python.is_ok_and(|output| output.status.success()) {
-            let _ = writeln!(std::io::stderr(), "not checked: ends of studies: there is no python3");
-            return None;
-        }
-        let study = Self { folder: tempfile::tempdir().unwrap() };
-        std::fs::write(study.file("study.toml"), SCENE).unwrap();
-        study.set_model(reply);
-        Some(study)
-    }
-
-    fn file(&self, name: &str) -> PathBuf {
-        self.folder.path().join(name)
-    }
-
+impl StudyFolder {
     fn set_model(&self, reply: &str) {
         std::fs::write(self.file("model.py"), model(reply)).unwrap();
-    }
-
-    fn command(&self, arguments: &str) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_coordinator"));
-        // With it, Python would write every reply at once.
-        command.args(arguments.split(' ')).current_dir(self.folder.path()).env_remove("PYTHONUNBUFFERED");
-        command
-    }
-
-    fn done(&self, arguments: &str) -> String {
-        let output = self.command(arguments).output().unwrap();
-        assert!(output.status.success(), "{arguments}: {}", String::from_utf8_lossy(&output.stderr));
-        String::from_utf8(output.stdout).unwrap()
-    }
-
-    /// The last line of a command that must fail.
-    fn refused(&self, arguments: &str, code: i32) -> String {
-        said(&self.command(arguments).output().unwrap(), code, arguments)
     }
 
     /// Samples the model was asked for since the last call, each once or more often.
@@ -87,27 +52,11 @@ impl Study {
         text.lines().map(str::to_owned).collect()
     }
 
-    /// The summary without what may differ: times and who worked.
-    fn summary(&self, dir: &str) -> Value {
-        let text = std::fs::read_to_string(self.file(dir).join("summary.json")).unwrap();
-        let mut summary: Value = serde_json::from_str(&text).unwrap();
-        let all = summary.as_object_mut().unwrap();
-        ["timing_s", "workers", "created"].iter().for_each(|key| drop(all.remove(*key)));
-        summary
-    }
-
     fn samples(&self, dir: &str) -> Vec<String> {
         let text = std::fs::read_to_string(self.file(dir).join("samples.csv")).unwrap();
         // Without worker and time, which follow the failure.
         text.lines().map(|line| line.split(',').take(5).collect::<Vec<_>>().join(",")).collect()
     }
-}
-
-#[track_caller]
-fn said(output: &Output, code: i32, arguments: &str) -> String {
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(code), "{arguments}: {said}");
-    said.lines().last().unwrap_or_default().to_owned()
 }
 
 #[track_caller]
@@ -119,7 +68,7 @@ fn contains(text: &str, parts: &[&str]) {
 
 #[test]
 fn issue_all_simulations_fail_and_no_command_says_why() {
-    let Some(study) = Study::new("answer(id, failure='no license')") else { return };
+    let Some(study) = study("answer(id, failure='no license')") else { return };
     for method in ["ak", "monte-carlo"] {
         let run = format!("run study.toml --method {method} --workers 2 --out {method} --quiet");
         let cause = "the nominal mechanism cannot be simulated: the simulator reports: no license";
@@ -145,7 +94,7 @@ fn issue_all_simulations_fail_and_no_command_says_why() {
 #[test]
 fn issue_a_program_that_does_not_flush_was_found_out_after_the_initial_design() {
     let reply = "print(json.dumps(dict(id=id, outputs=dict(margin=1))))";
-    let Some(study) = Study::new(reply) else { return };
+    let Some(study) = study(reply) else { return };
     std::fs::write(study.file("study.toml"), SCENE.replace("20 s", "1 s")).unwrap();
     let started = Instant::now();
     let said = study.refused("run study.toml --workers 1 --out out --quiet", 1);
@@ -158,7 +107,7 @@ fn issue_a_program_that_does_not_flush_was_found_out_after_the_initial_design() 
 #[test]
 fn too_few_results_are_told_with_their_cause_and_the_limit_state_by_name() {
     let nominal = format!("answer(id, failure='it diverged') if id > 0 else {RIGHT}");
-    let Some(study) = Study::new(&nominal) else { return };
+    let Some(study) = study(&nominal) else { return };
     let said = study.refused("run study.toml --workers 2 --initial 6 --out few --quiet", 1);
     contains(&said, &["1 of 6 simulations gave a result", "5 failed like this", "it diverged"]);
     let said = study.refused("run study.toml --workers 2 --out many --quiet", 1);
@@ -168,7 +117,7 @@ fn too_few_results_are_told_with_their_cause_and_the_limit_state_by_name() {
 #[test]
 fn issue_too_many_failures_were_a_dead_end() {
     let reply = format!("answer(id, failure='too strong') if R > 10.5 else {RIGHT}");
-    let Some(study) = Study::new(&reply) else { return };
+    let Some(study) = study(&reply) else { return };
     let said = study.refused("run study.toml --workers 2 --seed 3 --out one --quiet", 1);
     let share = said.split("--max-failed ").nth(1).and_then(|rest| rest.strip_suffix("%`"));
     let share = share.unwrap_or_else(|| panic!("{said}"));
@@ -182,7 +131,7 @@ fn issue_too_many_failures_were_a_dead_end() {
 
 #[test]
 fn issue_a_study_could_not_be_extended() {
-    let Some(study) = Study::new(RIGHT) else { return };
+    let Some(study) = study(RIGHT) else { return };
     let run = "run study.toml --workers 2 --seed 3 --quiet --target-error 0.00001";
     let told = study.done(&format!("{run} --max-evaluations 16 --out legs"));
     contains(&told, &["ended before its targets were met", "`coordinator resume legs --max-evaluations 32`"]);
@@ -209,7 +158,7 @@ fn issue_a_study_could_not_be_extended() {
 
 #[test]
 fn more_samples_keep_all_results() {
-    let Some(study) = Study::new(RIGHT) else { return };
+    let Some(study) = study(RIGHT) else { return };
     let direct = "run study.toml --workers 2 --seed 3 --method monte-carlo --quiet";
     study.done(&format!("{direct} --samples 60 --out legs"));
     study.asked();
@@ -254,7 +203,7 @@ fn set_mode(path: &Path, mode: u32) {
 
 #[test]
 fn issue_reading_needed_a_write_lock() {
-    let Some(study) = Study::new(RIGHT) else { return };
+    let Some(study) = study(RIGHT) else { return };
     study.done("run study.toml --workers 2 --quiet --out first");
     study.done("run study.toml --workers 2 --quiet --method monte-carlo --samples 60 --out direct");
     set_mode(study.folder.path(), 0o755);
@@ -286,7 +235,7 @@ fn issue_reading_needed_a_write_lock() {
 
 #[test]
 fn issue_one_cause_had_several_exit_codes() {
-    let Some(study) = Study::new(RIGHT) else { return };
+    let Some(study) = study(RIGHT) else { return };
     let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
     let port = taken.local_addr().unwrap().port();
     let four_bar = "run four-bar --workers 0 --out out";
@@ -307,7 +256,7 @@ fn issue_one_cause_had_several_exit_codes() {
 
 #[test]
 fn check_sees_that_the_program_exists() {
-    let Some(study) = Study::new(RIGHT) else { return };
+    let Some(study) = study(RIGHT) else { return };
     study.done("check study.toml");
     std::fs::write(study.file("gone.toml"), SCENE.replace("python3", "./no-such-program")).unwrap();
     contains(
@@ -318,7 +267,7 @@ fn check_sees_that_the_program_exists() {
 
 #[test]
 fn issue_a_closed_pipe_ended_a_study_with_a_panic() {
-    let Some(study) = Study::new(RIGHT) else { return };
+    let Some(study) = study(RIGHT) else { return };
     let run = |arguments: &str| {
         let mut command = study.command(arguments);
         // Both pipes are closed before anything is written to them.
@@ -339,7 +288,7 @@ fn issue_a_closed_pipe_ended_a_study_with_a_panic() {
 
 #[test]
 fn issue_times_of_a_resumed_study_were_those_of_its_last_run() {
-    let Some(study) = Study::new(RIGHT) else { return };
+    let Some(study) = study(RIGHT) else { return };
     study.done("run study.toml --workers 2 --out study --quiet");
     let first = times(&study);
     study.done("resume study --workers 2 --target-error 1e-9 --max-evaluations 40 --quiet");
@@ -351,7 +300,7 @@ fn issue_times_of_a_resumed_study_were_those_of_its_last_run() {
 }
 
 /// Times of the study in the folder `study`.
-fn times(study: &Study) -> Value {
+fn times(study: &StudyFolder) -> Value {
     let text = std::fs::read_to_string(study.file("study/summary.json")).unwrap();
     serde_json::from_str::<Value>(&text).unwrap()["timing_s"].clone()
 }

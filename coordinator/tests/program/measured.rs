@@ -1,16 +1,7 @@
 //! Scenes with measured values, through the commands: what `check` prints, and a study that goes on without the files.
 
+use crate::printed;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
-
-fn coordinator(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_coordinator")).args(arguments).output().unwrap()
-}
-
-fn stdout(output: &Output) -> String {
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout.clone()).unwrap()
-}
 
 /// The measured scene and its files in a folder.
 fn measured(folder: &Path) -> PathBuf {
@@ -26,7 +17,7 @@ fn the_test_of_a_fit_is_shown() {
     let folder = tempfile::tempdir().unwrap();
     let scene = measured(folder.path());
     let scene = scene.to_str().unwrap();
-    let text = stdout(&coordinator(&["check", scene]));
+    let text = printed(&["check", scene]);
     for piece in [
         "clearance_crank: lognormal fitted to 40 measured values from ",
         "Anderson-Darling A^2 = ",
@@ -36,8 +27,7 @@ fn the_test_of_a_fit_is_shown() {
     ] {
         assert!(text.contains(piece), "no \"{piece}\" in\n{text}");
     }
-    let found: serde_json::Value =
-        serde_json::from_str(&stdout(&coordinator(&["check", scene, "--json"]))).unwrap();
+    let found = crate::json(&["check", scene, "--json"]);
     let families = found["measured"][0]["families"].as_array().unwrap();
     let p = |word: &str| {
         let of_word = families.iter().find(|test| test["family"] == word).unwrap();
@@ -45,11 +35,11 @@ fn the_test_of_a_fit_is_shown() {
     };
     // The values were drawn from a lognormal distribution; an exponential one has another shape.
     assert!(p("lognormal") > 0.05 && p("exponential") < 0.01, "{families:?}");
-    assert!(stdout(&coordinator(&["explain", scene])).contains("friction: empirical distribution"));
+    assert!(printed(&["explain", scene]).contains("friction: empirical distribution"));
 
     let text = std::fs::read_to_string(scene).unwrap();
     std::fs::write(scene, text.replace("\"lognormal\"", "\"weibull\"")).unwrap();
-    let text = stdout(&coordinator(&["check", scene]));
+    let text = printed(&["check", scene]);
     assert!(text.contains("the measured values are unlikely for this family (p = 0.00"), "{text}");
     assert!(text.contains("measured.toml:17:7"), "{text}");
 }
@@ -58,15 +48,17 @@ fn the_test_of_a_fit_is_shown() {
 fn a_study_goes_on_without_the_files() {
     let folder = tempfile::tempdir().unwrap();
     let scene = measured(folder.path());
+    let text = std::fs::read_to_string(&scene).unwrap() + "\n[life]\ncycles = 2000\n";
+    std::fs::write(&scene, text).unwrap();
     let study = folder.path().join("study");
     let study = study.to_str().unwrap();
     let arguments =
         ["run", scene.to_str().unwrap(), "--accuracy", "draft", "--initial", "12", "-q", "--out", study];
-    stdout(&coordinator(&[&arguments[..], &["--max-evaluations", "14"]].concat()));
+    printed(&[&arguments[..], &["--max-evaluations", "14"]].concat());
     for name in ["measured.toml", "measured-torque.csv", "measured-clearances.csv", "measured-friction.csv"] {
         std::fs::remove_file(folder.path().join(name)).unwrap();
     }
-    stdout(&coordinator(&["resume", study, "--max-evaluations", "16", "-q"]));
+    printed(&["resume", study, "--max-evaluations", "16", "-q"]);
     let page = std::fs::read_to_string(Path::new(study).join("report.html")).unwrap();
     assert!(page.contains("empirical"), "the distribution of friction is in the report");
     assert!(

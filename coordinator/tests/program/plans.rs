@@ -1,27 +1,9 @@
 //! Plans and comparisons with the real `coordinator`: `test-plan`, `weibull`, and `run --variants`.
 
+use crate::{coordinator, json, refused};
 use serde_json::Value;
 use std::path::Path;
-use std::process::{Command, Output};
-
-fn coordinator(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_coordinator")).args(arguments).output().unwrap()
-}
-
-fn json(arguments: &[&str]) -> Value {
-    let output = coordinator(arguments);
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
-}
-
-#[track_caller]
-fn refused(arguments: &[&str]) -> String {
-    let output = coordinator(arguments);
-    let message = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
-    assert!(output.stdout.is_empty(), "{arguments:?} printed a result");
-    message
-}
+use std::process::Command;
 
 fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value}"))
@@ -56,7 +38,7 @@ fn plans_of_textbooks() {
         (&["--confidence", "100%"], "between 0 and 1"),
         (&["--curve", "wear"], "DIR"),
     ] {
-        let message = refused(&[&line[..], more].concat());
+        let message = refused(&[&line[..], more].concat(), 2);
         assert!(message.contains(says), "{more:?}: {message}");
     }
 }
@@ -65,18 +47,12 @@ fn plans_of_textbooks() {
 fn a_study_with_variants_is_a_prior_and_is_compared_with_lives() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
-    let (study, file, out) = (at("study"), at("fleet.csv"), at("weibull"));
-    let run = "run four-bar --accuracy draft --samples 4000 --initial 16 --max-evaluations 24 --quiet";
-    let run: Vec<&str> = run.split(' ').collect();
-    let variants = "[[variants]]\nname = \"film\"\nset = { \"parameters.film_damping\" = \"130 N s/m\" }\n\
-        [[variants]]\nname = \"same\"\nset = { \"scene.title\" = \"another title\" }\n";
-    std::fs::write(at("variants.toml"), variants).unwrap();
+    let (study, file, out) = (crate::finished_study().to_str().unwrap(), at("fleet.csv"), at("weibull"));
     std::fs::write(at("wrong.toml"), "[[variants]]\nname = \"a\"\nset = { \"joints.x.width\" = 1 }\n")
         .unwrap();
-    let message = refused(&[&run[..], &["--variants", &at("wrong.toml"), "--out", &study]].concat());
-    assert!(message.contains("wrong.toml:3") && !Path::new(&study).exists(), "{message}");
-    let summary =
-        json(&[&run[..], &["--variants", &at("variants.toml"), "--out", &study, "--json"]].concat());
+    let message = refused(&["run", "four-bar", "--variants", &at("wrong.toml"), "--out", &at("none")], 2);
+    assert!(message.contains("wrong.toml:3") && !Path::new(&at("none")).exists(), "{message}");
+    let summary = crate::finished_summary();
     let rows = summary["variants"].as_array().unwrap();
     let median =
         |row: usize| ["value", "lower", "upper"].map(|key| number(&rows[row]["changes_of_lives"][2][key]));
@@ -84,21 +60,23 @@ fn a_study_with_variants_is_a_prior_and_is_compared_with_lives() {
     let [change, lower, upper] = median(0);
     assert!(change != 0.0 && lower < change && change < upper, "{change} {lower} {upper}");
     assert!(upper - lower < 200.0 && number(&rows[0]["evaluations"]) >= 6.0, "{lower} {upper}");
-    let page = std::fs::read_to_string(Path::new(&study).join("report.html")).unwrap();
+    let page = std::fs::read_to_string(Path::new(study).join("report.html")).unwrap();
     assert!(page.contains("With 2 variants of the model") && page.contains("Variants of the model"));
     for name in ["variants.svg", "variants.csv"] {
-        assert!(Path::new(&study).join("figures").join(name).is_file(), "{name}");
+        assert!(Path::new(study).join("figures").join(name).is_file(), "{name}");
     }
     // What is finished is not simulated again.
-    let again = coordinator(&["resume", &study, "--workers", "0"]);
+    let copied = Command::new("cp").args(["-r", study, &at("study")]).status().unwrap();
+    let again = coordinator(&["resume", &at("study"), "--workers", "0"]);
     assert!(
-        again.status.success()
+        copied.success()
+            && again.status.success()
             && String::from_utf8_lossy(&again.stdout).contains("With 2 variants of the model")
     );
 
     let with_prior = json(&[
         "test-plan",
-        &study,
+        study,
         "--reliability",
         "0.99",
         "--at",
@@ -113,7 +91,7 @@ fn a_study_with_variants_is_a_prior_and_is_compared_with_lives() {
     assert!(number(&plan["with_prior"]["units"]) < number(&plan["units"]));
     assert!(number(&plan["with_prior"]["wrongly_passed"]) <= 0.1);
     assert!(
-        refused(&["test-plan", &study, "--reliability", "0.99", "--at", "90000"])
+        refused(&["test-plan", study, "--reliability", "0.99", "--at", "90000"], 2)
             .contains("the study ends at")
     );
 
@@ -141,7 +119,7 @@ fn a_study_with_variants_is_a_prior_and_is_compared_with_lives() {
         text
     };
     std::fs::write(&file, fleet(1.0)).unwrap();
-    let agrees = json(&["weibull", &file, "--study", &study, "--out", &out, "--json"]);
+    let agrees = json(&["weibull", &file, "--study", study, "--out", &out, "--json"]);
     assert_eq!(
         (number(&agrees["failures"]), &agrees["study"]["contradicted"]),
         (8.0, &Value::from(false)),
@@ -151,18 +129,18 @@ fn a_study_with_variants_is_a_prior_and_is_compared_with_lives() {
         assert!(Path::new(&out).join(name).is_file(), "{name}");
     }
     std::fs::write(&file, fleet(0.6)).unwrap();
-    let contradicts = json(&["weibull", &file, "--study", &study, "--mode", "wear", "--json"]);
+    let contradicts = json(&["weibull", &file, "--study", study, "--mode", "wear", "--json"]);
     assert_eq!(contradicts["study"]["contradicted"], true, "{contradicts}");
     let evidence = &contradicts["study"];
     assert!(
         number(&evidence["ln_evidence_weibull"]) > number(&evidence["ln_evidence_study"]) + 10.0,
         "{evidence}"
     );
-    let text = String::from_utf8(coordinator(&["weibull", &file, "--study", &study]).stdout).unwrap();
+    let text = String::from_utf8(coordinator(&["weibull", &file, "--study", study]).stdout).unwrap();
     assert!(text.contains("The data contradict the study:"), "{text}");
     std::fs::write(&file, "unit,cycles,state\nA,900000,failed\nB,10,gone\n").unwrap();
-    let message = refused(&["weibull", &file, "--study", &study]);
+    let message = refused(&["weibull", &file, "--study", study], 2);
     assert!(message.contains("fleet.csv:2:3") && message.contains("fleet.csv:3:6"), "{message}");
     std::fs::write(&file, "unit,cycles,state\nA,900,failed\nB,10,running\n").unwrap();
-    assert!(refused(&["weibull", &file]).contains("failures at different lives"));
+    assert!(refused(&["weibull", &file], 2).contains("failures at different lives"));
 }

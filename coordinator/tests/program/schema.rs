@@ -5,7 +5,6 @@ use jsonschema::error::ValidationErrorKind;
 use jsonschema::{Validator, draft202012};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
-use std::process::Command;
 
 const EVERYTHING: &str = include_str!("../../../common/tests/scenes/everything.toml");
 const MEASURED: &str = include_str!("../../../common/tests/scenes/measured.toml");
@@ -16,14 +15,8 @@ const BEAM: &str = "scene = { name = \"beam\" }\nsimulator = { program = [\"pyth
 
 const CYCLE: &str = include_str!("../../../common/tests/scenes/cycle.toml");
 
-fn printed(arguments: &[&str]) -> Value {
-    let output = Command::new(env!("CARGO_BIN_EXE_coordinator")).args(arguments).output().unwrap();
-    assert!(output.status.success());
-    serde_json::from_slice(&output.stdout).unwrap()
-}
-
 fn scene_schema() -> (Value, Validator) {
-    let schema = printed(&["schema"]);
+    let schema = crate::json(&["schema"]);
     let validator = draft202012::new(&schema).unwrap();
     (schema, validator)
 }
@@ -41,7 +34,7 @@ fn objections(validator: &Validator, scene: &Value) -> Vec<String> {
 #[test]
 fn the_schemas_are_schemas() {
     for arguments in [&["schema"][..], &["schema", "--results"]] {
-        let schema = printed(arguments);
+        let schema = crate::json(arguments);
         assert!(draft202012::meta::is_valid(&schema), "{arguments:?}");
         assert!(schema["$schema"].as_str().unwrap().ends_with("2020-12/schema"));
     }
@@ -77,63 +70,7 @@ fn every_valid_scene_is_valid() {
 #[test]
 fn faults_of_structure_are_found() {
     let (_, validator) = scene_schema();
-    for (from, to) in [
-        ("[study]", "[[study]]"),
-        ("motion = \"fixed\"", "motion = \"fixd\""),
-        ("motion = \"fixed\"", "motion = \"fixed\"\nmass = \"1 kg\""),
-        ("motion = \"fixed\"", ""),
-        ("width = \"10 mm\"", "width = 10"),
-        ("width = \"10 mm\"", "width = true"),
-        ("width = \"10 mm\"\n", ""),
-        ("width = \"10 mm\"", "width = \"10 g\""),
-        ("width = \"10 mm\"", "width = \"10 mcm\""),
-        ("width = \"10 mm\"", "width = \"10,5 mm\""),
-        ("width = \"10 mm\"", "width = \"-10 mm\""),
-        ("width = \"10 mm\"", "width = \"10\""),
-        ("torque = \"-0.8 N m\"", "torque = \"-0.8 Nm\""),
-        ("torque = \"-0.8 N m\"", "torque = \"\u{2212}0.8 N m\""),
-        ("axis = \"15 deg\"", "axis = \"15°\""),
-        ("axis = \"15 deg\"", "axis = \"15 Hz\""),
-        ("control_points = 40", "control_points = 7"),
-        ("control_points = 40", "control_points = 36.5"),
-        ("control_points = \"auto\"", "control_points = \"automatic\""),
-        ("control_points = 50", "control_points = \"auto\""),
-        ("wears = \"both\"\nwear_coefficient = \"2e-13", "wears = \"journal\"\nwear_coefficient = \"2e-13"),
-        ("wears = \"both\"\njournal_wear", "wears = \"slider\"\njournal_wear"),
-        ("slider_wear_coefficient", "journal_wear_coefficient"),
-        ("contact_damping = \"none\"", "contact_damping = \"nun\""),
-        ("contact_damping = \"none\"", "contact_damping = 7.5"),
-        ("contact_damping = \"none\"", "contact_damping = { }"),
-        ("direction = [0, 2]", "direction = [0]"),
-        (
-            "type = \"torsion-spring\"\na = \"rod\"",
-            "type = \"torsion-spring\"\na = { body = \"rod\", point = \"far\" }",
-        ),
-        ("torque = \"-0.8 N m\"", "torque = { over = \"time\", at = [\"0 s\"], value = [\"1 N m\"] }"),
-        ("sign = 1", "sign = 2"),
-        ("cycles = 2000", "cycles = 0"),
-        ("cycles = 2000", "cycles = \"2000\""),
-        ("cycles = 2000\n", ""),
-        ("settle_cycles = 3", "settle_cycles = -3"),
-        ("seed = 7", "seed = -7"),
-        ("name = \"too_deep\"", "name = \"total\""),
-        ("fails = \"outside\"", "fails = \"aside\""),
-        ("fails = \"outside\"", "fails = \"below\""),
-        ("lower = \"2 um\"\n", ""),
-        ("lower = \"2 um\"", "threshold = \"2 um\""),
-        ("measure = \"rms\"", "measure = \"total\""),
-        ("type = \"impacts\"", "type = \"impacts\"\nmeasure = \"largest\""),
-        ("distribution = \"normal\"", "distribution = \"norml\""),
-        ("distribution = \"constant\"", "distribution = \"constant\"\nstd = \"1 %\""),
-        ("changes = [\"parameters.arm\"]", "changes = []"),
-        ("rank = -0.3", "rank = -0.3\ncoefficient = 0.2"),
-        ("share = 0.7\n", ""),
-        ("share = 0.7", "share = true"),
-        ("share = 0.7", "shares = 0.7"),
-        ("\"1.5 * full_torque\"", "[\"1.5 N m\"]"),
-        ("name = \"everything\"", ""),
-        ("[life]", "[lief]"),
-    ] {
+    for [from, to] in crate::rows("faults_of_structure_are_found") {
         assert!(EVERYTHING.contains(from), "{from}");
         let text = EVERYTHING.replacen(from, to, 1);
         assert!(SceneSource::parse(&text, "my.toml").is_err(), "the program takes {to}");
@@ -162,21 +99,7 @@ fn faults_of_structure_are_found() {
 #[test]
 fn faults_of_a_program_that_gives_cycles_are_found() {
     let (_, validator) = scene_schema();
-    for (from, to) in [
-        ("tier = \"contact\"\n", ""),
-        ("tier = \"contact\"", "tier = \"contacts\""),
-        ("gives = \"cycle\"", "gives = \"cycles\""),
-        ("gives = \"cycle\"\n", ""),
-        ("share = 0.8\n", ""),
-        ("period = \"50 ms\"\n", ""),
-        ("period = \"50 ms\"", "settle_cycles = 2\nperiod = \"50 ms\""),
-        ("width = \"10 mm\"\n", ""),
-        ("width = \"10 mm\"", "width = \"10 mm\"\njournal = { body = \"a\", point = \"b\" }"),
-        ("height = \"20 mm\"", "height = \"20 mm\"\nslider = { body = \"a\", point = \"b\" }"),
-        ("height = \"20 mm\"\n", ""),
-        ("unit = \"N m\"", "values = 1"),
-        ("[[joints]]", "[[bodies]]"),
-    ] {
+    for [from, to] in crate::rows("faults_of_a_program_that_gives_cycles_are_found") {
         assert!(CYCLE.contains(from), "{from}");
         let text = CYCLE.replacen(from, to, 1);
         assert!(SceneSource::parse(&text, "my.toml").is_err(), "the program takes {to}");
@@ -314,27 +237,8 @@ fn schema_and_program_know_the_same_keys() {
 
 #[test]
 fn a_summary_is_described_completely() {
-    let folder = tempfile::tempdir().unwrap();
-    let study = folder.path().join("study");
-    let run = [
-        "run",
-        "four-bar",
-        "--accuracy",
-        "draft",
-        "--samples",
-        "4000",
-        "--initial",
-        "12",
-        "--max-evaluations",
-        "16",
-        "-q",
-        "--out",
-    ];
-    let output = Command::new(env!("CARGO_BIN_EXE_coordinator")).args(run).arg(&study).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let text = std::fs::read_to_string(study.join("summary.json")).unwrap();
-    let summary: Value = serde_json::from_str(&text).unwrap();
-    let validator = draft202012::new(&printed(&["schema", "--results"])).unwrap();
+    let summary = crate::finished_summary();
+    let validator = draft202012::new(&crate::json(&["schema", "--results"])).unwrap();
     assert_eq!(objections(&validator, &summary), [""; 0]);
     // It is closed: a new key needs its description, a lost one is missed.
     let mut more = summary.clone();

@@ -16,7 +16,7 @@ fn coordinator(arguments: &[&str]) -> Command {
 
 /// A small study of the four-bar in `dir`.
 fn run<'a>(dir: &'a str, workers: &'a str) -> Vec<&'a str> {
-    let study = "run four-bar --levels draft --samples 4000 --initial 16 --max-evaluations 40 --seed 3";
+    let study = "run four-bar --levels draft --samples 4000 --initial 12 --max-evaluations 24 --seed 3";
     study.split(' ').chain(["--workers", workers, "--out", dir]).collect()
 }
 

@@ -1,45 +1,23 @@
 //! Decisions from a finished study with the real `coordinator`: `update` and `replace`.
 
+use crate::{json, refused};
 use serde_json::Value;
 use std::path::Path;
-use std::process::{Command, Output};
-
-fn coordinator(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_coordinator")).args(arguments).output().unwrap()
-}
-
-fn json(arguments: &[&str]) -> Value {
-    let output = coordinator(arguments);
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
-}
-
-/// Standard error of a command that must fail as bad input without a result.
-#[track_caller]
-fn refused(arguments: &[&str]) -> String {
-    let output = coordinator(arguments);
-    let message = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
-    assert!(output.stdout.is_empty(), "{arguments:?} printed a result");
-    message
-}
 
 #[test]
 fn a_study_answers_for_units_and_replacement() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
-    let (study, units, out) = (at("study"), at("units.csv"), at("fleet"));
-    let run = "run four-bar --accuracy draft --samples 4000 --initial 16 --max-evaluations 24 --quiet --out";
-    assert!(coordinator(&run.split(' ').chain([study.as_str()]).collect::<Vec<_>>()).status.success());
+    let (study, units, out) = (crate::finished_study().to_str().unwrap(), at("units.csv"), at("fleet"));
 
-    let missing = refused(&["update", &study, "--measured", &at("no.csv")]);
+    let missing = refused(&["update", study, "--measured", &at("no.csv")], 2);
     assert!(missing.contains("no.csv: cannot be read: there is no such file"), "{missing}");
 
     // Of two units the one that has worn more has the shorter remaining life.
     let observed = "unit,cycles,quantity,value,error\nA,3000,max_wear_depth,4.4 um,0.1 um\n\
         B,3000,max_wear_depth,5 um,0.1 um\nB,3000,survived\nB,,load_torque,-0.81 N m,0.01 N m\n";
     std::fs::write(&units, observed).unwrap();
-    let fleet = json(&["update", &study, "--measured", &units, "--out", &out, "--json"]);
+    let fleet = json(&["update", study, "--measured", &units, "--out", &out, "--json"]);
     let left = |k: usize| fleet["units"][k]["remaining"]["p50"].as_f64().unwrap();
     assert!(left(0) > left(1) && left(1) > 0.0, "{} {}", left(0), left(1));
     assert!(fleet["units"][1]["reliability"][0]["total"].as_f64().unwrap() > 0.999);
@@ -48,16 +26,16 @@ fn a_study_answers_for_units_and_replacement() {
         assert!(Path::new(&out).join(name).is_file(), "{name}");
     }
     std::fs::write(&units, "A,3000,depth,4 um,1 um\nA,9000,max_wear_depth,4 N,1 um\n").unwrap();
-    let message = refused(&["update", &study, "--measured", &units]);
+    let message = refused(&["update", study, "--measured", &units], 2);
     assert!(message.contains("units.csv:1:8") && message.contains("units.csv:2:23"), "{message}");
-    assert!(refused(&["update", &study, "--measured", &at("none.csv")]).contains("none.csv"));
+    assert!(refused(&["update", study, "--measured", &at("none.csv")], 2).contains("none.csv"));
 
     // The population of three units: a failure with its life, a unit that still runs, and one that was measured.
     let (fleet, learned) = (at("fleet.csv"), at("learned"));
     let observed = "unit,cycles,quantity,value,error\nA,5200,failed,wear,50\nB,4500,survived\n\
         C,3000,max_wear_depth,4.6 um,0.2 um\nC,3000,survived\n";
     std::fs::write(&fleet, observed).unwrap();
-    let answer = json(&["learn", &study, "--data", &fleet, "--out", &learned, "--json"]);
+    let answer = json(&["learn", study, "--data", &fleet, "--out", &learned, "--json"]);
     let life = &answer["confident"]["lives"][1];
     assert!(life["at_least"].as_f64().unwrap() < life["median"].as_f64().unwrap(), "{life}");
     assert!(answer["evaluations"] == 0 && answer["parameters"].as_array().unwrap().len() == 2, "{answer}");
@@ -65,12 +43,12 @@ fn a_study_answers_for_units_and_replacement() {
         assert!(Path::new(&learned).join(name).is_file(), "{name}");
     }
     std::fs::write(&fleet, "A,5200,failed,waer\npopulation,,friction.men\n").unwrap();
-    let message = refused(&["learn", &study, "--data", &fleet]);
+    let message = refused(&["learn", study, "--data", &fleet], 2);
     assert!(message.contains("fleet.csv:1:15") && message.contains("fleet.csv:2:13"), "{message}");
-    let message = refused(&["what-if", &study, "--confidence", "90%"]);
+    let message = refused(&["what-if", study, "--confidence", "90%"], 2);
     assert!(message.contains("measured samples"), "{message}");
 
-    let answer = json(&["replace", &study, "--failure-cost", "10", "--inspect-every", "1000", "--json"]);
+    let answer = json(&["replace", study, "--failure-cost", "10", "--inspect-every", "1000", "--json"]);
     let age = &answer["age"];
     let number = |value: &Value| value.as_f64().unwrap();
     assert!(number(&age["lower"]) <= number(&age["value"]) && number(&age["value"]) <= number(&age["upper"]));
@@ -83,7 +61,7 @@ fn a_study_answers_for_units_and_replacement() {
         (&["--failure-cost", "10", "--inspect-every", "500", "--inspect-error", "1 N"], "--inspect-error"),
         (&["--failure-cost", "10", "--inspect-cost", "1"], "--inspect-every"),
     ] {
-        let message = refused(&[&["replace", study.as_str()], arguments].concat());
+        let message = refused(&[&["replace", study], arguments].concat(), 2);
         assert!(message.contains(allowed), "{arguments:?}: {message}");
     }
 }

@@ -18,4 +18,5 @@ mod router;
 mod scale;
 mod security;
 mod study_and_workers;
+mod tradeoff;
 mod umbridge;

@@ -7,24 +7,7 @@ use common::scene::SceneSource;
 use worker::simulate::{SimulateOptions, simulate};
 
 /// A crank moves a slider of 60 by 20 mm to and fro by 40 mm, pressed down by 300 N in its middle.
-const MECHANISM: &str = r#"
-scene = { name = "pressed slider" }
-materials.steel = { elastic_modulus = "207 GPa", poisson_ratio = 0.3 }
-bodies = [
-  { name = "frame", motion = "fixed", points = { origin = ["0 mm", "0 mm"] } },
-  { name = "crank", motion = "driven", position = ["0 mm", "0 mm"], start_angle = "0 deg", speed = "60 r/min", points = { pin = ["20 mm", "0 mm"] } },
-  { name = "rod", motion = "free", mass = "1 g", inertia = "1e-6 kg m^2", centre_of_mass = ["50 mm", "0 mm"], start_angle = "0 deg", start_position = ["70 mm", "0 mm"], points = { near = ["0 mm", "0 mm"], far = ["100 mm", "0 mm"] } },
-  { name = "slider", motion = "free", mass = "100 g", inertia = "3e-5 kg m^2", centre_of_mass = ["0 mm", "0 mm"], start_position = ["120 mm", "0 mm"], start_angle = "0 deg", points = { middle = ["0 mm", "0 mm"], push = ["5 mm", "0 mm"] } },
-]
-joints = [
-  { name = "crank_pin", type = "revolute", a = { body = "rod", point = "near" }, b = { body = "crank", point = "pin" } },
-  { name = "piston_pin", type = "revolute", a = { body = "slider", point = "middle" }, b = { body = "rod", point = "far" } },
-  { slider = { body = "slider", point = "middle" }, guide = { body = "frame", point = "origin" }, contact_damping = { hunt_crossley = "50 s/m" }, friction = 0, friction_speed = "1 mm/s", RAIL },
-]
-loads = [{ name = "press", type = "constant-force", at = { body = "slider", point = "push" }, force = ["0 N", "-300 N"] }]
-OUTPUTS
-life = { period = "1 s", cycles = 20000, checkpoint_every = 4000, settle_cycles = 1 }
-"#;
+const MECHANISM: &str = include_str!("scenes/guide.toml");
 
 /// Keys of the guide in both scenes.
 const RAIL: &str = r#"name = "rail", type = "guide", length = "60 mm", height = "20 mm", width = "20 mm", clearance = "20 um", guide_start = "40 mm", guide_end = "160 mm", slider_material = "steel", guide_material = "steel", wears = "SURFACES", wear_coefficient = "1e-13 1/Pa", control_points = 41"#;

@@ -15,55 +15,7 @@ use worker::simulate::{SimulateOptions, simulate};
 const WORKER: &str = env!("CARGO_BIN_EXE_worker");
 
 /// The joints of the built-in four-bar, whose cycles a program gives.
-const SCENE: &str = r#"
-[scene]
-name = "four-bar-by-program"
-[simulator]
-gives = "cycle"
-PROGRAM
-[parameters]
-wear_coefficient = "1e-13 1/Pa"
-clearance = "30 um"
-load_torque = "-0.8 N m"
-[materials.steel]
-elastic_modulus = "206 GPa"
-poisson_ratio = 0.3
-[materials.bronze]
-elastic_modulus = "105 GPa"
-poisson_ratio = 0.34
-JOINTS
-[[outputs]]
-name = "max_wear_depth"
-type = "largest-wear"
-[[outputs]]
-name = "coupler_joint_speed"
-unit = "rad/s"
-[[limit_states]]
-name = "wear"
-output = "max_wear_depth"
-threshold = "8 um"
-[life]
-period = "1/15 * 1 s"
-cycles = 8000
-checkpoint_every = 1000
-[study]
-accuracy = "draft"
-[[variables]]
-name = "wear_coefficient"
-changes = ["parameters.wear_coefficient"]
-distribution = "truncated-normal"
-std = "5 %"
-[[variables]]
-name = "load_torque"
-changes = ["parameters.load_torque"]
-distribution = "truncated-normal"
-std = "3 %"
-[[variables]]
-name = "clearance_crank"
-changes = ["joints.crank.radial_clearance"]
-distribution = "truncated-normal"
-std = "2 um"
-"#;
+const SCENE: &str = include_str!("scenes/cycles.toml");
 
 const JOINT: &str = r#"
 [[joints]]

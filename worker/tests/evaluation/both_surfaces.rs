@@ -1,12 +1,10 @@
 //! Joints of which the journal wears, or both surfaces: closed forms, outputs, and the quasi-static model against the dynamics.
 
 use crate::hung_block::{BORE, COEFFICIENT, CYCLES, JOURNAL, WEIGHT, WIDTH, hung};
-use crate::scenes::{every_joint, scene, short};
+use crate::scenes::{evaluate, every_joint, scene, short};
 use common::accuracy::{Accuracy, Tier};
-use common::outputs::Evaluation;
 use common::scene::{Output, OutputKind, Scene, WearQuantity, WearingSurfaces};
 use std::f64::consts::TAU;
-use worker::simulate::{SimulateOptions, simulate};
 
 const QUANTITIES: [WearQuantity; 4] = [
     WearQuantity::BushingDepth,
@@ -26,10 +24,6 @@ const SEAM: std::ops::RangeInclusive<usize> = 26..=28;
 fn wearing(mut scene: Scene, surfaces: WearingSurfaces) -> Scene {
     every_joint(&mut scene, |clearance| clearance.wears = surfaces);
     scene
-}
-
-fn evaluate(scene: &Scene, accuracy: &Accuracy) -> Evaluation {
-    simulate(scene, accuracy, SimulateOptions::default()).expect("simulated")
 }
 
 /// Volume worn from a surface of radius `radius` [m] outwards (1) or inwards (-1), over Archard's K F s [1].

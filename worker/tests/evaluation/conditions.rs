@@ -16,57 +16,7 @@ const CYCLES: f64 = 1000.0;
 
 /// A block hung on a turning shaft, with these `[[conditions]]`.
 fn hung(conditions: &str) -> Scene {
-    let text = format!(
-        r#"gravity = ["0 m/s^2", "9.81 m/s^2"]
-scene = {{ name = "hung-block" }}
-[parameters]
-shaft_speed = "300 r/min"
-[materials.steel]
-elastic_modulus = "206 GPa"
-poisson_ratio = 0.3
-[[bodies]]
-name = "shaft"
-motion = "driven"
-speed = "shaft_speed"
-position = ["0 m", "0 m"]
-points = {{ axis = ["0 m", "0 m"] }}
-[[bodies]]
-name = "block"
-motion = "free"
-mass = "1 kg"
-inertia = "1e-2 kg m^2"
-centre_of_mass = ["0 m", "0 m"]
-start_position = ["0 m", "0 m"]
-start_angle = "0 deg"
-points = {{ hub = ["0 m", "0 m"] }}
-[[joints]]
-name = "hub"
-type = "clearance"
-contact_law = "local-hertz"
-journal = {{ body = "shaft", point = "axis" }}
-bushing = {{ body = "block", point = "hub" }}
-journal_radius = "9.95 mm"
-bushing_radius = "10 mm"
-width = "20 mm"
-journal_material = "steel"
-bushing_material = "steel"
-contact_damping = {{ hunt_crossley = "2 s/m" }}
-film_damping = "100 N s/m"
-friction = 0
-friction_speed = "5 mm/s"
-wear_coefficient = "1e-13 1/Pa"
-[[outputs]]
-name = "wear"
-type = "largest-wear"
-[[outputs]]
-name = "force"
-type = "peak-joint-force"
-[life]
-cycles = 1000
-checkpoint_every = 1000
-settle_cycles = 2
-{conditions}"#
-    );
+    let text = include_str!("scenes/hung-block.toml").replace("@conditions@", conditions);
     SceneSource::parse(&text, "hung block").expect("valid").nominal().clone()
 }
 
@@ -182,13 +132,11 @@ fn a_duty_cycle_does_not_depend_on_lanes() {
     let accuracy = Accuracy::draft();
     let alone = simulate(&scene, &accuracy, SimulateOptions::default());
     assert!(alone.is_ok());
-    for width in [LaneWidth::Holding(1), LaneWidth::Widest] {
-        let input = SimulationInput { scene: scene.clone(), accuracy, options: SimulateOptions::default() };
-        let mut inputs = vec![input.clone(), input].into_iter();
-        let mut outcomes = vec![];
-        simulate_side_by_side(width, 2, &mut || inputs.next().map(Ok), &mut |_, outcome, _| {
-            outcomes.push(outcome)
-        });
-        assert_eq!(outcomes, [alone.clone(), alone.clone()]);
-    }
+    let input = SimulationInput { scene, accuracy, options: SimulateOptions::default() };
+    let mut inputs = vec![input.clone(), input].into_iter();
+    let mut outcomes = vec![];
+    simulate_side_by_side(LaneWidth::Widest, 2, &mut || inputs.next().map(Ok), &mut |_, outcome, _| {
+        outcomes.push(outcome)
+    });
+    assert_eq!(outcomes, [alone.clone(), alone]);
 }

@@ -26,11 +26,10 @@ fn largest_ratio(output: usize, of: &Evaluation, finer: &Evaluation) -> f64 {
 #[test]
 fn issue_the_asymmetry_of_the_drive_was_stated_as_if_it_converged_with_the_control_points() {
     let scene = short("flapping-wing", &[], 72_000);
-    let [own, twice, four_times] =
-        [36, 72, 144].map(|points| with_points(&scene, ContactLaw::LocalHertz, points));
-    let ratios = [&twice, &four_times].map(|finer| [0, 1].map(|output| largest_ratio(output, &own, finer)));
+    let [own, four_times] = [36, 144].map(|points| with_points(&scene, ContactLaw::LocalHertz, points));
+    let ratios = [0, 1].map(|output| largest_ratio(output, &own, &four_times));
     println!("over the stated error {ratios:?}");
-    assert!(ratios.as_flattened().iter().all(|ratio| *ratio < 2.0), "{ratios:?}");
+    assert!(ratios.iter().all(|ratio| *ratio < 2.0), "{ratios:?}");
     let [found] = &own.diagnostics.control_points[..] else { panic!("one output of the motion") };
     assert!(!found.converges && found.stated && found.error > 0.1 * found.values[0], "{found:?}");
     // Where the points are a part of the model, an evaluation that shows its first cycle has the size of the error beside its values.

@@ -15,15 +15,13 @@ fn diagnostics(scene: &str, law: ContactLaw, accuracy: &Accuracy, cycles: u32) -
 /// Input work, kinetic, elastic, dissipated: to 1e-4 of the work put in, on the round and on the worn bores.
 #[test]
 fn foundation_balances_its_energy() {
-    for scene in ["four-bar", "flapping-wing"] {
-        let found = diagnostics(scene, ContactLaw::Foundation, &Accuracy::reference(), 1000);
-        for energy in [found.energy.expect("asked for"), found.worn_energy.expect("asked for")] {
-            println!("{scene}: {energy:?}, residual {:e}", energy.residual() / energy.input);
-            assert!(energy.input > 0.0 && energy.dissipated > 0.0);
-            assert!(energy.residual().abs() < 1e-4 * energy.input, "{scene}: {energy:?}");
-            // The law has a potential.
-            assert!(energy.unphysical.abs() < 1e-12 * energy.input, "{scene}: {energy:?}");
-        }
+    let found = diagnostics("four-bar", ContactLaw::Foundation, &Accuracy::reference(), 1000);
+    for energy in [found.energy.expect("asked for"), found.worn_energy.expect("asked for")] {
+        println!("{energy:?}, residual {:e}", energy.residual() / energy.input);
+        assert!(energy.input > 0.0 && energy.dissipated > 0.0);
+        assert!(energy.residual().abs() < 1e-4 * energy.input, "{energy:?}");
+        // The law has a potential.
+        assert!(energy.unphysical.abs() < 1e-12 * energy.input, "{energy:?}");
     }
 }
 

@@ -1,18 +1,13 @@
 //! The second scene through the same code, turned and mirrored: nothing knows where up is.
 
-use crate::scenes::{scene, short};
+use crate::scenes::{evaluate, scene, short};
 use crate::transformed::Transform;
 use common::accuracy::Accuracy;
 use common::outputs::Evaluation;
 use common::scene::{Attachment, Load, Scene};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_6};
-use worker::simulate::{SimulateOptions, simulate};
 
 const CYCLES: u32 = 2000;
-
-fn evaluate(scene: &Scene, accuracy: &Accuracy) -> Evaluation {
-    simulate(scene, accuracy, SimulateOptions::default()).expect("the four-bar is simulated")
-}
 
 /// Tight enough that what is left of the step control's own axes can be told from a defect.
 fn tight() -> Accuracy {

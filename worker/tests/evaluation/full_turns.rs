@@ -1,8 +1,8 @@
 //! A drag link: the crank drives a rocker that turns fully too. Angles between the two are those of the ideal linkage, whatever the
 //! number of cycles before the measured one.
 
+use crate::scenes::draft as run;
 use common::accuracy::Accuracy;
-use common::outputs::Evaluation;
 use common::scene::{Curve, Load, Motion, OutputKind, Over, Scene, SceneSource, SignedBody, Table};
 use std::f64::consts::TAU;
 use worker::simulate::{SimulateOptions, simulate};
@@ -13,46 +13,7 @@ const CRANK: usize = 1;
 const COUPLER: usize = 2;
 const ROCKER: usize = 3;
 
-const DRAG_LINK: &str = r#"
-[scene]
-extends = "four-bar"
-name = "drag-link"
-title = "Two cranks that turn"
-
-[parameters]
-ground_length = "20 mm"
-crank_length = "50 mm"
-coupler_length = "60 mm"
-rocker_length = "55 mm"
-wear_coefficient = "3e-14 1/Pa"
-
-[[bodies]]
-name = "crank"
-speed = "300 r/min"
-
-[[bodies]]
-name = "coupler"
-start_angle = "114.19 deg"
-
-[[bodies]]
-name = "rocker"
-start_angle = "84.35 deg"
-
-[[outputs]]
-name = "lag"
-type = "angle-difference"
-a = { body = "rocker" }
-b = { body = "crank" }
-
-[[outputs]]
-name = "force"
-type = "peak-joint-force"
-joints = ["rocker"]
-
-[life]
-cycles = 2000
-checkpoint_every = 1000
-"#;
+const DRAG_LINK: &str = include_str!("scenes/drag-link.toml");
 
 const LAG: usize = 2;
 const FORCE: usize = 3;
@@ -65,10 +26,6 @@ fn drag_link(settle_cycles: u32, wears: bool) -> Scene {
         crate::scenes::every_joint(&mut scene, |clearance| clearance.wear_coefficient = 0.0);
     }
     scene
-}
-
-fn run(scene: &Scene) -> Evaluation {
-    simulate(scene, &Accuracy::draft(), SimulateOptions::default()).expect("simulated")
 }
 
 /// Largest difference of the angles of rocker and crank of the linkage with ideal joints [rad], from its closed form.

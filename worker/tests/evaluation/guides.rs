@@ -1,5 +1,6 @@
 //! Sliders with clearance in their guides: closed forms of bounces, friction and energy, and the published slider-crank.
 
+use crate::scenes::reference_shown as run;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
@@ -12,65 +13,7 @@ pub(crate) const PUBLISHED: &str = include_str!("../../../common/tests/scenes/gu
 const MASS: f64 = 0.5;
 
 /// A slider by itself in a horizontal guide, seen from its start.
-const ALONE: &str = r#"
-[scene]
-name = "slider"
-
-[materials.steel]
-elastic_modulus = "207 GPa"
-poisson_ratio = 0.3
-
-[[bodies]]
-name = "frame"
-motion = "fixed"
-[bodies.points]
-origin = ["0 mm", "0 mm"]
-
-[[bodies]]
-name = "slider"
-motion = "free"
-mass = "0.5 kg"
-inertia = "2e-4 kg m^2"
-centre_of_mass = ["0 mm", "0 mm"]
-start_position = ["0 mm", "0 mm"]
-start_angle = "0 deg"
-[bodies.points]
-middle = ["0 mm", "0 mm"]
-
-[[joints]]
-name = "rail"
-type = "guide"
-slider = { body = "slider", point = "middle" }
-guide = { body = "frame", point = "origin" }
-length = "60 mm"
-height = "20 mm"
-width = "20 mm"
-clearance = "0.5 mm"
-guide_start = "-50 mm"
-guide_end = "50 mm"
-slider_material = "steel"
-guide_material = "steel"
-friction = 0
-friction_speed = "1 mm/s"
-
-[[outputs]]
-name = "force"
-type = "peak-joint-force"
-
-[[outputs]]
-name = "impacts"
-type = "impacts"
-
-[[outputs]]
-name = "blow"
-type = "impact-energy"
-
-[life]
-period = "0.1 s"
-cycles = 1
-checkpoint_every = 1
-settle_cycles = 0
-"#;
+const ALONE: &str = include_str!("scenes/slider-alone.toml");
 
 fn parsed(text: &str) -> Scene {
     SceneSource::parse(text, "scene").expect("valid").nominal().clone()
@@ -85,10 +28,6 @@ fn slider(force: [f64; 2], period: f64, change: impl Fn(&mut GuideClearance)) ->
     let JointKind::Guide(guide) = &mut scene.joints[0].kind else { panic!("it is a guide") };
     change(guide);
     scene
-}
-
-fn run(scene: &Scene) -> Evaluation {
-    simulate(scene, &Accuracy::reference(), SimulateOptions::WITH_FIRST_CYCLE).expect("simulated")
 }
 
 /// Times, and motion of the only body that moves.

@@ -16,62 +16,11 @@ pub const WEIGHT: f64 = 9.81;
 /// A block of 1 kg on a shaft of 300 r/min, pulled in direction `degrees`.
 pub fn hung(degrees: f64, law: &str, points: usize) -> Scene {
     let (y, x) = degrees.to_radians().sin_cos();
-    let text = format!(
-        r#"gravity = ["{:.9} m/s^2", "{:.9} m/s^2"]
-[scene]
-name = "hung-block"
-title = "A block hung on a turning shaft"
-[materials.steel]
-elastic_modulus = "206 GPa"
-poisson_ratio = 0.3
-[[bodies]]
-name = "shaft"
-motion = "driven"
-speed = "300 r/min"
-position = ["0 m", "0 m"]
-start_angle = "0 deg"
-[bodies.points]
-axis = ["0 m", "0 m"]
-[[bodies]]
-name = "block"
-motion = "free"
-mass = "1 kg"
-inertia = "1e-2 kg m^2"
-centre_of_mass = ["0 m", "0 m"]
-start_position = ["0 m", "0 m"]
-start_angle = "0 deg"
-[bodies.points]
-hub = ["0 m", "0 m"]
-[[joints]]
-name = "hub"
-type = "clearance"
-contact_law = "{law}"
-journal = {{ body = "shaft", point = "axis" }}
-bushing = {{ body = "block", point = "hub" }}
-journal_radius = "9.95 mm"
-bushing_radius = "10 mm"
-width = "20 mm"
-journal_material = "steel"
-bushing_material = "steel"
-contact_damping = {{ hunt_crossley = "2 s/m" }}
-film_damping = "100 N s/m"
-friction = 0
-friction_speed = "5 mm/s"
-wear_coefficient = "1e-13 1/Pa"
-control_points = {points}
-[[outputs]]
-name = "wear"
-type = "largest-wear"
-joints = ["hub"]
-[life]
-period = "0.2 s"
-cycles = 1000
-checkpoint_every = 1000
-settle_cycles = 2
-"#,
-        WEIGHT * x,
-        WEIGHT * y
-    );
+    let text = include_str!("scenes/hung-block-at-an-angle.toml")
+        .replace("@law@", law)
+        .replace("@points@", &points.to_string())
+        .replace("@force x@", &format!("{:.9}", WEIGHT * x))
+        .replace("@force y@", &format!("{:.9}", WEIGHT * y));
     SceneSource::parse(&text, "hung block").expect("valid").nominal().clone()
 }
 

@@ -1,6 +1,6 @@
 //! Friction of ideal joints against closed forms: a block on a slope, a pendulum, a wedge that holds its load, and one that locks itself.
 
-use crate::scenes::scene;
+use crate::scenes::{reference_shown as run, scene};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::{EnergyBalance, Evaluation};
@@ -50,10 +50,6 @@ fn guide(name: &str, slider: usize, on: usize, axis: f64, friction: Option<Ideal
         kind,
         friction,
     }
-}
-
-fn run(scene: &Scene) -> Evaluation {
-    simulate(scene, &Accuracy::reference(), SimulateOptions::WITH_FIRST_CYCLE).expect("simulated")
 }
 
 /// Every (time, x, y, angle) of body `k` of the free ones.

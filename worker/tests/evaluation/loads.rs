@@ -1,6 +1,6 @@
 //! Loads, drives, ideal joints and outputs against closed forms.
 
-use crate::scenes::{RPM, every_joint, scene};
+use crate::scenes::{RPM, every_joint, reference_shown as run, scene};
 use common::accuracy::Accuracy;
 use common::outputs::Evaluation;
 use common::scene::*;
@@ -31,10 +31,6 @@ fn one_body(kind: JointKind, start_position: [f64; 2], loads: Vec<Load>, period:
 
 fn rotor(loads: Vec<Load>, period: f64) -> Scene {
     one_body(JointKind::Revolute, [0.0; 2], loads, period)
-}
-
-fn run(scene: &Scene) -> Evaluation {
-    simulate(scene, &Accuracy::reference(), SimulateOptions::WITH_FIRST_CYCLE).expect("simulated")
 }
 
 /// With time steps short enough for an energy balance within 1e-6.

@@ -91,11 +91,6 @@ fn the_load_keeps_every_journal_on_its_bore() {
 }
 
 #[test]
-fn the_same_scene_gives_the_same_bits() {
-    assert_eq!(*nominal(), evaluate(&Accuracy::balanced()));
-}
-
-#[test]
 fn tighter_steps_and_smaller_blocks_change_little() {
     let balanced = Accuracy::balanced();
     let tight = evaluate(&Accuracy {

@@ -98,57 +98,7 @@ fn errors_of_a_slider_crank_as_a_generator_of_a_cosine() {
     }
 }
 
-const BALL: &str = r#"
-gravity = ["0 m/s^2", "-9.81 m/s^2"]
-[scene]
-name = "ball"
-[materials.steel]
-elastic_modulus = "207 GPa"
-poisson_ratio = 0.3
-[[bodies]]
-name = "frame"
-motion = "fixed"
-points = { bore = ["0 mm", "0 mm"] }
-[[bodies]]
-name = "ball"
-motion = "free"
-mass = "0.2 kg"
-inertia = "1e-5 kg m^2"
-centre_of_mass = ["0 mm", "0 mm"]
-start_position = ["0 mm", "0 mm"]
-start_angle = "0 deg"
-points = { centre = ["0 mm", "0 mm"] }
-[[joints]]
-name = "bore"
-type = "clearance"
-journal = { body = "ball", point = "centre" }
-bushing = { body = "frame", point = "bore" }
-journal_radius = "10 mm"
-radial_clearance = "0.5 mm"
-width = "10 mm"
-journal_material = "steel"
-bushing_material = "steel"
-contact_law = "local-hertz"
-contact_damping = { law = "flores", restitution = 0.6 }
-friction = 0
-friction_speed = "0.1 m/s"
-wear = false
-[[outputs]]
-name = "impacts"
-type = "impacts"
-[[outputs]]
-name = "energy"
-type = "impact-energy"
-[[outputs]]
-name = "hardest"
-type = "impact-energy"
-measure = "largest"
-[life]
-period = "31 ms"
-cycles = 1
-checkpoint_every = 1
-settle_cycles = 0
-"#;
+const BALL: &str = include_str!("scenes/ball.toml");
 
 /// Restitution of an impact with the damping factor D of Flores at the coefficient `e`, D v = 8 (1 - e) / (5 e): the root r of
 /// D v - ln(1 + D v) = -r D v - ln(1 - r D v), by which the elastic work of both halves of the impact is the same.

@@ -1,6 +1,6 @@
 //! Mechanisms with ideal joints against published solutions and closed forms.
 
-use crate::scenes::scene;
+use crate::scenes::{scene, shown as run};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::{BodyMotion, Evaluation};
@@ -8,10 +8,6 @@ use common::scene::{JointKind, Motion, Scene};
 use worker::integrate::Dynamics;
 use worker::mechanism::{Island, ideal_cycle, islands};
 use worker::simulate::{SimulateOptions, simulate};
-
-fn run(scene: &Scene, accuracy: &Accuracy) -> Evaluation {
-    simulate(scene, accuracy, SimulateOptions::WITH_FIRST_CYCLE).expect("it is simulated")
-}
 
 fn motion<'e>(evaluation: &'e Evaluation, body: &str) -> &'e BodyMotion {
     let cycle = evaluation.first_cycle.as_ref().expect("asked for");

@@ -1,10 +1,9 @@
 //! Wear driven by the gaps alone against wear driven by the dynamics, and when the dynamics is taken after all.
 
-use crate::scenes::{every_joint, scene, short};
+use crate::scenes::{evaluate, every_joint, scene, short};
 use common::accuracy::{Accuracy, Tier};
 use common::outputs::Evaluation;
 use common::scene::{ContactLaw, OutputKind, Scene};
-use worker::simulate::{SimulateOptions, simulate};
 
 /// The scene with its wear outputs alone, and the limit states on them.
 fn wear_alone(mut scene: Scene) -> Scene {
@@ -20,10 +19,6 @@ fn wear_alone(mut scene: Scene) -> Scene {
     });
     scene.outputs = kept.iter().map(|&k| scene.outputs[k].clone()).collect();
     scene
-}
-
-fn evaluate(scene: &Scene, accuracy: &Accuracy) -> Evaluation {
-    simulate(scene, accuracy, SimulateOptions::default()).expect("simulated")
 }
 
 /// The dynamics finer than balanced in step, history, block and wear step.

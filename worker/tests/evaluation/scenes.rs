@@ -1,7 +1,9 @@
 //! Scenes the tests start from.
 
+use common::accuracy::Accuracy;
 use common::outputs::Evaluation;
 use common::scene::{Clearance, JointKind, Scene, SceneSource};
+use worker::simulate::{SimulateOptions, simulate};
 
 /// Radians per second in one revolution per minute.
 pub const RPM: f64 = std::f64::consts::TAU / 60.0;
@@ -32,6 +34,26 @@ pub fn every_joint(scene: &mut Scene, change: impl Fn(&mut Clearance)) {
             change(clearance);
         }
     }
+}
+
+/// The evaluation of a scene.
+pub fn evaluate(scene: &Scene, accuracy: &Accuracy) -> Evaluation {
+    simulate(scene, accuracy, SimulateOptions::default()).expect("simulated")
+}
+
+/// The evaluation of a scene at `draft`.
+pub fn draft(scene: &Scene) -> Evaluation {
+    evaluate(scene, &Accuracy::draft())
+}
+
+/// The evaluation of a scene with its first cycle.
+pub fn shown(scene: &Scene, accuracy: &Accuracy) -> Evaluation {
+    simulate(scene, accuracy, SimulateOptions::WITH_FIRST_CYCLE).expect("simulated")
+}
+
+/// The evaluation of a scene at `reference` with its first cycle.
+pub fn reference_shown(scene: &Scene) -> Evaluation {
+    shown(scene, &Accuracy::reference())
 }
 
 /// History of an output at one checkpoint.

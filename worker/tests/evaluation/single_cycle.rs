@@ -1,79 +1,11 @@
 //! Motions seen once, from their start: one cycle, none before it, with wear.
 
+use crate::scenes::shown as run;
 use common::accuracy::Accuracy;
-use common::outputs::Evaluation;
-use common::scene::{Scene, SceneSource};
-use worker::simulate::{SimulateOptions, simulate};
+use common::scene::SceneSource;
 
 /// A rotor in a bore, brought up from rest by a constant torque; its centre of mass is off the axis.
-const ROTOR: &str = r#"
-[scene]
-name = "rotor"
-title = "A rotor brought up from rest"
-
-[materials.steel]
-elastic_modulus = "206 GPa"
-poisson_ratio = 0.3
-
-[[bodies]]
-name = "frame"
-motion = "fixed"
-[bodies.points]
-axis = ["0 mm", "0 mm"]
-
-[[bodies]]
-name = "rotor"
-motion = "free"
-mass = "1 kg"
-inertia = "0.005 kg m^2"
-centre_of_mass = ["1 mm", "0 mm"]
-start_position = ["0 mm", "0 mm"]
-start_angle = "0 deg"
-[bodies.points]
-axis = ["0 mm", "0 mm"]
-
-[[joints]]
-name = "hinge"
-type = "clearance"
-journal = { body = "rotor", point = "axis" }
-bushing = { body = "frame", point = "axis" }
-journal_radius = "4 mm"
-radial_clearance = "20 um"
-width = "10 mm"
-journal_material = "steel"
-bushing_material = "steel"
-contact_law = "local-hertz"
-contact_damping = { hunt_crossley = "2 s/m" }
-film_damping = "100 N s/m"
-friction = 0
-friction_speed = "5 mm/s"
-wear_coefficient = "1e-13 1/Pa"
-
-[[loads]]
-name = "motor"
-type = "constant-torque"
-body = "rotor"
-torque = "0.1 N m"
-
-[[outputs]]
-name = "wear"
-type = "largest-wear"
-
-[[outputs]]
-name = "force"
-type = "peak-joint-force"
-joints = ["hinge"]
-
-[life]
-period = "2 s"
-cycles = 1
-checkpoint_every = 1
-settle_cycles = 0
-"#;
-
-fn run(scene: &Scene, accuracy: &Accuracy) -> Evaluation {
-    simulate(scene, accuracy, SimulateOptions::WITH_FIRST_CYCLE).expect("simulated")
-}
+const ROTOR: &str = include_str!("scenes/rotor.toml");
 
 #[test]
 fn issue_a_single_cycle_from_rest_was_restarted_as_if_it_repeated() {

@@ -1,6 +1,6 @@
 //! Faults of the cycle.
 
-use super::{EVERYTHING, faults, one_fault};
+use super::{EVERYTHING, faults};
 use common::scene::SceneSource;
 
 #[test]
@@ -45,39 +45,6 @@ fn life() {
             format!("life.period: a cycle of 0.15 s is not a multiple of 0.1 s, the period of bodies.{body}");
         assert!(fault.contains(&expected), "{fault}");
     }
-    one_fault(
-        "push",
-        "\"50 ms\"",
-        "\"30 ms\"",
-        "life.period: a cycle of 0.1 s is not a multiple of 0.03 s, the period of loads.push.size",
-    );
-    one_fault(
-        "cam",
-        "\"365 deg\"",
-        "\"355 deg\"",
-        "bodies.cam.angle.value: advances by 350 deg over a cycle, which is not a whole number of turns",
-    );
-    // issue: motions that do not repeat passed, and were simulated as if they did.
-    one_fault(
-        "lever",
-        "value = [\"0 deg\", \"10 deg\", \"0 deg\"]",
-        "value = [\"0 deg\", \"10 deg\", \"0 deg\"], repeat = false",
-        "bodies.lever.angle.repeat: is false, but the cycles follow each other: let the table repeat, or see it once with \
-         cycles = 1, checkpoint_every = 1, settle_cycles = 0",
-    );
-    one_fault(
-        "wheel",
-        "\"0 r/min\"] }",
-        "\"0 r/min\"], repeat = false }",
-        "bodies.wheel.speed.repeat: is false, but the cycles follow each other",
-    );
-    // 1200 r/min for half of 50 ms is half a turn, two of which make a cycle; 1200.1 r/min are not.
-    one_fault(
-        "wheel",
-        "\"1200 r/min\"",
-        "\"1200.1 r/min\"",
-        "bodies.wheel.speed.value: advances by 360.03 deg over a cycle, which is not a whole number of turns: change the",
-    );
     // A motion seen once, from its start, may be cut anywhere.
     let once = EVERYTHING
         .replacen(

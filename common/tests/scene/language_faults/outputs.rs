@@ -1,75 +1,7 @@
 //! Faults of outputs and limit states.
 
-use super::{EVERYTHING, one_fault};
+use super::EVERYTHING;
 use common::scene::SceneSource;
-
-#[test]
-fn outputs() {
-    one_fault(
-        "wear",
-        "joints = [\"worn\"]",
-        "joints = [\"worn\", \"hinge\"]",
-        "outputs.wear.joints: joint \"hinge\" is ideal and does not wear",
-    );
-    one_fault(
-        "wear",
-        "joints = [\"worn\"]",
-        "joints = [\"held\"]",
-        "joint \"held\" has wear = false and does not wear",
-    );
-    one_fault(
-        "wear",
-        "joints = [\"worn\"]",
-        "joints = []",
-        "outputs.wear.joints: is empty, expected at least one joint",
-    );
-    one_fault(
-        "worn",
-        "wear_coefficient = \"1e-13 1/Pa\"",
-        "wear_coefficient = \"0 1/Pa\"",
-        "outputs.wear.joints: every wear_coefficient of these joints is 0",
-    );
-    one_fault(
-        "journal_wear",
-        "type = \"journal-wear\"",
-        "type = \"journal-wear\"\njoints = [\"worn\"]",
-        "outputs.journal_wear.joints: joint \"worn\" has wears = \"bushing\"; there are: struck, undamped",
-    );
-    one_fault(
-        "hinge_force",
-        "\"worn\"]",
-        "\"wron\"]",
-        "outputs.hinge_force.joints: there is no joint \"wron\"",
-    );
-    one_fault(
-        "error",
-        "at = { body = \"slider\", point = \"pin\" }",
-        "at = { body = \"crank\", point = \"pin\" }",
-        "outputs.error.at: body \"crank\" is not free",
-    );
-    one_fault(
-        "torque",
-        "body = \"crank\"",
-        "body = \"rod\"",
-        "outputs.torque.body: body \"rod\" is not driven",
-    );
-    one_fault("angle", "sign = -1", "sign = 0", "outputs.angle.b.sign: 0 is out of range, allowed: 1 or -1");
-    one_fault("speed", "type = \"angular-velocity-difference\"", "type = \"speed\"", "outputs.speed.type");
-    for (limit, threshold, wrong, kind) in [
-        ("too_askew", "3 deg", "3 mm", "an angle (deg, rad, ...)"),
-        ("too_strong", "2 kN", "2 N m", "a force (N, mN, kN, ...)"),
-        ("too_far", "0.5 mm", "0.5 N", "a length (mm, um, m, ...)"),
-        ("too_hard", "4 N m", "4 N", "a torque (N m, N mm, ...)"),
-    ] {
-        let (threshold, wrong) = (format!("\"{threshold}\""), format!("\"{wrong}\""));
-        one_fault(limit, &threshold, &wrong, kind);
-    }
-    for name in ["total", "cycles", "standard_error", "numerical"] {
-        let expected =
-            format!("limit_states.{name}.name: \"{name}\" cannot be a name: it is a column of result files");
-        one_fault("too_deep", "name = \"too_deep\"", &format!("name = \"{name}\""), &expected);
-    }
-}
 
 #[test]
 fn wear_needs_a_joint_that_wears() {

@@ -3,7 +3,6 @@
 use super::*;
 use crate::farm::evaluate::local::LocalEvaluator;
 use crate::statistics::design::nominal_and_random;
-use common::outputs::Diagnostics;
 use common::scene::SceneSource;
 use std::sync::Mutex;
 
@@ -19,11 +18,7 @@ fn evaluation(scene: &Scene, shares: &[(f64, f64)]) -> Evaluation {
         cycles: (1..=shares.len() as u32).map(|k| 1000 * k).collect(),
         histories: vec![scaled(|s| s.0), vec![0.0; shares.len()]],
         errors: vec![scaled(|s| s.1), vec![0.0; shares.len()]],
-        joints: vec![],
-        first_cycle: None,
-        worn: None,
-        start: vec![],
-        diagnostics: Diagnostics::default(),
+        ..Evaluation::default()
     }
 }
 

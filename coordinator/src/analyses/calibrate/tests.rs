@@ -11,7 +11,7 @@ use crate::farm::evaluate::Request;
 use crate::farm::evaluate::local::LocalEvaluator;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
-use common::outputs::{Diagnostics, Evaluation, JointSummary};
+use common::outputs::{Evaluation, JointSummary};
 use common::random::standard_normal_cdf;
 use common::scene::{Faults, InputFile, Scene, SceneSource};
 use std::path::Path;
@@ -61,10 +61,7 @@ fn stand_in(scene: &Scene, request: &Request) -> Result<Evaluation, SimulationFa
         cycles,
         errors: vec![],
         joints: scene.joints.iter().map(joint).collect(),
-        first_cycle: None,
-        worn: None,
-        start: vec![],
-        diagnostics: Diagnostics::default(),
+        ..Evaluation::default()
     })
 }
 
@@ -211,27 +208,7 @@ fn a_target_may_name_a_published_result() {
 #[test]
 fn faults_of_the_file_are_named_with_their_key() {
     let target = "[[targets]]\noutput = \"max_wear_depth\"\ncycles = 8000\nstatistic = \"mean\"\nvalue = \"12 um\"\ntolerance = \"1 um\"\n";
-    for (from, to, expected) in [
-        ("12 um", "12 N", "targets[1].value: \"12 N\" is a force, expected a length"),
-        (
-            "cycles = 8000",
-            "cycles = 8001",
-            "8001 is out of range, allowed: a checkpoint of the life: 1000 to 8000",
-        ),
-        ("max_wear_depth", "max_wear_dpth", "no output \"max_wear_dpth\", did you mean \"max_wear_depth\"?"),
-        ("\"mean\"", "\"maen\"", "\"maen\" is unknown, did you mean \"mean\"?"),
-        ("\"1 um\"", "\"0 um\"", "targets[1].tolerance: \"0 um\" is out of range, allowed: > 0"),
-        ("lower = 0.5", "lower = 3", "parameters.wear.lower: 3 is out of range, allowed: below upper, 2.0"),
-        ("mean_of", "means_of", "expected exactly one of changes"),
-        ("\"parameters.width\"", "\"parameters.widht\"", "did you mean \"parameters.width\"?"),
-        ("\"parameters.width\"", "\"parameters.clearance\"", "expected a length"),
-        ("name = \"width\"", "name = \"friction\"", "is the name of a random variable of the scene"),
-        (
-            "\"5 mm\"",
-            "\"-5 mm\"",
-            "parameters.width: at -0.005 m, a bound of this variable, the scene is invalid",
-        ),
-    ] {
+    for [from, to, expected] in crate::tests::rows("faults_of_the_file_are_named_with_their_key") {
         let text = format!("{PARAMETERS}{target}");
         assert!(text.contains(from), "{from}");
         let source = four_bar();

@@ -6,7 +6,7 @@ use crate::farm::evaluate::Request;
 use crate::farm::evaluate::local::LocalEvaluator;
 use crate::results::journal::InMemoryJournal;
 use crate::results::progress::Silent;
-use crate::study::{FurtherLearning, Observed, Settings, StoredOutcome, run};
+use crate::study::{FurtherLearning, Settings, run};
 use common::outputs::Evaluation;
 use common::random::standard_normal_cdf;
 use common::scene::SceneSource;
@@ -104,14 +104,11 @@ fn a_design_at_the_limit_of_the_scene_is_not_answered_with_that_of_another() {
     let cycles = scene.life.checkpoints();
     let settings =
         Settings { samples: 10_000, initial: 12, max_evaluations: 30, seed: 5, ..Settings::from(scene) };
-    let (mut journal, mut outcomes) = (InMemoryJournal::default(), vec![]);
+    let mut journal = InMemoryJournal::default();
     let evaluate =
         |request: &Request| Ok(Evaluation::from_histories(cycles.clone(), histories(&request.sample)));
     run(scene, &settings, &mut LocalEvaluator::new(1, evaluate), &mut journal, &mut Silent).unwrap();
-    outcomes.extend(journal.outcomes().values().map(|(sample, finished)| StoredOutcome {
-        sample: sample.clone(),
-        outcome: finished.outcome.clone().map(Observed::from_evaluation),
-    }));
+    let outcomes = crate::tests::stored(&journal);
     let study = DesignStudy { space: &space, augmented: scene, settings: &settings };
     // 0.32 + 2 std^2 is the mean of 2 (b - 0.4)^2, 1.6 std its spread.
     let exact = |limit: f64, t: f64| standard_normal_cdf((limit / t - 1.3208) / 0.1_f64.hypot(0.032));
@@ -137,25 +134,18 @@ fn one_study_answers_for_every_design_and_finds_the_best() {
     let mut journal = InMemoryJournal::default();
     let mut evaluator = LocalEvaluator::new(1, evaluate);
     run(scene, &settings, &mut evaluator, &mut journal, &mut Silent).unwrap();
-    let known = |journal: &InMemoryJournal| -> Vec<StoredOutcome> {
-        let stored = |(sample, finished): &(Vec<f64>, crate::farm::evaluate::Finished)| StoredOutcome {
-            sample: sample.clone(),
-            outcome: finished.outcome.clone().map(Observed::from_evaluation),
-        };
-        journal.outcomes().values().map(stored).collect()
-    };
     let study = DesignStudy { space: &space, augmented: scene, settings: &settings };
     let grid = space.grid(7);
-    let outcomes = known(&journal);
+    let outcomes = crate::tests::stored(&journal);
     let before = outcomes.len();
     let mut reported = Vec::new();
     let mut simulate = |learning: &FurtherLearning<'_>| -> Result<_, AnalysisError> {
         learning.learn(&mut evaluator, &mut journal, &mut Silent)?;
-        Ok(known(&journal))
+        Ok(crate::tests::stored(&journal))
     };
     let mut progress = |error: f64, added: usize| reported.push((error, added));
     let refined = refine(&study, &grid, outcomes, 40, &mut simulate, &mut progress).unwrap();
-    let outcomes = known(&journal);
+    let outcomes = crate::tests::stored(&journal);
     assert_eq!(outcomes.len(), before + refined.added);
     assert!(refined.is_reached(), "{refined:?}");
     assert_eq!(reported.last(), Some(&(refined.largest_error, refined.added)));

@@ -9,7 +9,7 @@ use crate::statistics::design::{InputModel, Population};
 use crate::study::{FurtherLearning, LifeModel, Observed, Settings, StoredOutcome, learn_from_results};
 use common::outputs::Evaluation;
 use common::random::Family;
-use common::scene::{Fault, Faults, Scene, SceneSource};
+use common::scene::{Scene, SceneSource};
 
 /// A wear that grows in proportion to time, from an offset.
 pub(super) const WEAR: &str = r#"
@@ -138,7 +138,9 @@ fn a_unit_in_the_tail_leaves_the_exact_spread() {
     };
     let (mean, square) = (exact(|s| s), exact(|s| s * s));
     let std = (square - mean * mean).sqrt();
-    let change = |s: &mut LearnSettings| *s = LearnSettings { ranks: false, ..LearnSettings::new(3) };
+    // The points count R alone.
+    let change =
+        |s: &mut LearnSettings| *s = LearnSettings { ranks: false, points: 3000, ..LearnSettings::new(3) };
     let report = learned(study(WEAR, wear), &text, change).unwrap();
     let found = &report.parameters[1];
     assert!(agrees(found, mean, std, report.effective_size), "{found:?}; exact {mean} {std}");
@@ -167,7 +169,7 @@ fn the_value_of_a_design_variable_has_its_closed_form() {
 #[test]
 fn a_normal_mean_has_the_conjugate_closed_form() {
     let text = format!("population,,offset.mean,1.5,0.2\n{}", measured_offsets());
-    let report = learned(study(WEAR, wear), &text, |s| s.sets = SETS).unwrap();
+    let report = learned(study(WEAR, wear), &text, |s| (s.sets, s.points) = (SETS, 3000)).unwrap();
     let (mean, _) = moments(&OFFSETS);
     let (prior, data) = (1.0 / 0.04, 12.0 / (0.25 + 1e-4));
     let exact = ((1.5 * prior + mean * data) / (prior + data), (prior + data).powf(-0.5));
@@ -178,7 +180,8 @@ fn a_normal_mean_has_the_conjugate_closed_form() {
 #[test]
 fn a_normal_mean_and_spread_have_the_conjugate_closed_form() {
     // Flat in mean and ln std: (mean - m) / (s / sqrt n) is Student's t of n - 1 degrees of freedom, (n - 1) s^2 / std^2 is chi-squared.
-    let report = learned(study(WEAR, wear), &measured_offsets(), |s| s.sets = SETS).unwrap();
+    let report =
+        learned(study(WEAR, wear), &measured_offsets(), |s| (s.sets, s.points) = (SETS, 3000)).unwrap();
     assert!(report.chosen_by_default && report.parameters.len() == 2, "{:?}", report.parameters);
     let ((mean, std), n) = (moments(&OFFSETS), 12.0);
     let [m, s] = [&report.parameters[0], &report.parameters[1]];
@@ -314,43 +317,9 @@ fn simulations_where_the_population_has_gone_improve_what_was_learned() {
 fn every_fault_of_the_population_is_named_with_line_and_column() {
     let (source, model) = study(LIFE, excess);
     let faults = |text: &str| {
-        let Faults(faults) = parse_fleet(text, "fleet.csv", &source, &model, Some(&[])).unwrap_err();
-        let said = |fault: &Fault| {
-            format!("line {}, column {}: {}", fault.location.as_ref().unwrap().line, fault.key, fault.kind)
-        };
-        faults.iter().map(said).collect::<Vec<_>>().join("\n")
+        crate::tests::located(parse_fleet(text, "fleet.csv", &source, &model, Some(&[])).unwrap_err())
     };
-    for (row, expected) in [
-        (
-            "A,400,failed,wron",
-            "line 1, column value: there is no limit state \"wron\", did you mean \"worn\"?",
-        ),
-        ("A,400,failed,worn,0", "column error: \"0\": allowed: the standard deviation of the life"),
-        ("A,9000,failed,worn,5", "column cycles: \"9000\": allowed: a number of cycles from 0 to 6000"),
-        (
-            "population,,lief.mean",
-            "column quantity: there is no random variable \"lief\", did you mean \"life\"?",
-        ),
-        ("population,,life.std", "column quantity: life is exponential: its mean is its one parameter"),
-        ("population,,life", "column quantity: allowed: life.mean or life.std"),
-        ("price,,failed,2\nprice,,failed,3", "line 2, column quantity: this observation has a price already"),
-        ("price,,failed,-1", "column value: \"-1\": allowed: a number above 0"),
-        ("price,300,excess,1", "column cycles: a price has no cycles"),
-        ("population,,life.mean,-4,1", "column value: allowed: above 0"),
-        (
-            "population,,life.mean,900,0",
-            "column error: allowed: the standard deviation of the prior, above 0",
-        ),
-        ("population,100,life.mean", "column cycles: a parameter of the population has no life"),
-        (
-            "population,,life.mean\npopulation,,life.mean,900,90",
-            "line 2, column quantity: this parameter has a row already",
-        ),
-        (
-            "A,400,failed,worn,5\nA,500,survived",
-            "line 2, column cycles: unit A had failed by 400 cycles (line 1)",
-        ),
-    ] {
+    for [row, expected] in crate::tests::rows("every_fault_of_the_population_is_named_with_line_and_column") {
         let said = faults(row);
         assert!(said.contains(expected), "{row}: {said}");
     }
@@ -367,18 +336,18 @@ fn bounds_from_few_samples_hold_as_often_as_stated() {
     use rand_chacha::rand_core::SeedableRng;
     let truth = Distribution::lognormal(1000.0, 300.0).unwrap();
     let exact = truth.quantile(0.1);
-    for n in [5, 10, 30] {
+    for n in [5, 30] {
         let mut rng = ChaCha12Rng::seed_from_u64(n);
         let mut held = 0;
         for _ in 0..200 {
             let samples: Vec<f64> = (0..n).map(|_| truth.quantile(rng.random::<f64>())).collect();
             let fitted = Family::Lognormal.fit(&samples).unwrap();
-            let laws = fitted_draws(Some(Family::Lognormal), &fitted, &samples, 200, &mut rng);
+            let laws = fitted_draws(Some(Family::Lognormal), &fitted, &samples, 100, &mut rng);
             let sets: Vec<(f64, [f64; 2])> = laws.iter().map(|law| (1.0, [law.mean(), law.std()])).collect();
             let points_of = space::proposal(&fitted, None, &sets);
             let reweighting = Reweighting::new(vec![0], std::slice::from_ref(&points_of));
-            let states: Vec<f64> = (0..500)
-                .map(|j| common::random::standard_normal_quantile((f64::from(j) + 0.5) / 500.0))
+            let states: Vec<f64> = (0..200)
+                .map(|j| common::random::standard_normal_quantile((f64::from(j) + 0.5) / 200.0))
                 .collect();
             let lives: Vec<f64> = states.iter().map(|u| points_of.from_standard_normal(*u)).collect();
             let points: Vec<f64> = reweighting.points(&states, 1);
@@ -394,7 +363,7 @@ fn bounds_from_few_samples_hold_as_often_as_stated() {
             }
             held += usize::from(draws.at_confidence(0.9).lives[0].at_least.unwrap() <= exact);
         }
-        // Three standard errors of a share of 0.9 over 200 data sets, and the resolution of 200 draws.
+        // Three standard errors of a share of 0.9 over 200 data sets, and the resolution of 100 draws.
         assert!((167..=193).contains(&held), "{n}: {held}");
     }
 }

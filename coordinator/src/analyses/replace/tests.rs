@@ -33,7 +33,7 @@ fn studied(text: &str) -> (SceneSource, Settings, StudySummary, Vec<StoredOutcom
         stored.lock().unwrap().push(StoredOutcome { sample: request.sample.clone(), outcome });
         Ok(evaluation)
     };
-    let settings = Settings { samples: 100_000, initial: 6, max_evaluations: 20, ..Settings::from(scene) };
+    let settings = Settings { samples: 40_000, initial: 6, max_evaluations: 20, ..Settings::from(scene) };
     let mut evaluator = LocalEvaluator::new(1, simulate);
     let result = run(scene, &settings, &mut evaluator, &mut InMemoryJournal::default(), &mut Silent).unwrap();
     drop(evaluator);

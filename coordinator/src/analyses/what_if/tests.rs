@@ -36,7 +36,7 @@ fn histories(x: &[f64]) -> Vec<Vec<f64>> {
 }
 
 fn settings(scene: &Scene) -> Settings {
-    Settings { samples: 10_000, initial: 15, max_evaluations: 60, ..Settings::from(scene) }
+    Settings { samples: 5000, initial: 15, max_evaluations: 40, ..Settings::from(scene) }
 }
 
 fn study(source: &SceneSource) -> (StudySummary, Vec<StoredOutcome>) {
@@ -47,11 +47,7 @@ fn study(source: &SceneSource) -> (StudySummary, Vec<StoredOutcome>) {
     let mut journal = InMemoryJournal::default();
     let mut evaluator = LocalEvaluator::new(1, simulate);
     let result = run(scene, &settings(scene), &mut evaluator, &mut journal, &mut Silent).unwrap();
-    let stored = |(sample, finished): &(Vec<f64>, crate::farm::evaluate::Finished)| StoredOutcome {
-        sample: sample.clone(),
-        outcome: finished.outcome.clone().map(Observed::from_evaluation),
-    };
-    (result.summary, journal.outcomes().values().map(stored).collect())
+    (result.summary, crate::tests::stored(&journal))
 }
 
 /// The study of the scene, which every question asks.
@@ -93,7 +89,7 @@ fn without_a_change_nothing_changes() {
 fn truth(source: &SceneSource) -> Vec<f64> {
     use crate::statistics::design::{InputModel, Population};
     let scene = source.nominal();
-    let (n, limits) = (200_000, [scene.limit_states[0].threshold, scene.limit_states[1].threshold]);
+    let (n, limits) = (50_000, [scene.limit_states[0].threshold, scene.limit_states[1].threshold]);
     let population = Population::draw(InputModel::from_scene(scene), n, 99);
     let mut alive = vec![0.0; 10];
     for j in 0..n {
@@ -122,7 +118,7 @@ fn answers_are_true_within_their_errors_and_changes_too() {
             changed_scene(&base, &sets.iter().map(ToString::to_string).collect::<Vec<_>>()).unwrap();
         for (n, after) in truth(&changed).iter().enumerate() {
             let row = &found.after.reliability[n];
-            let error = (after * (1.0 - after) / 200_000.0).sqrt() + 2e-5;
+            let error = (after * (1.0 - after) / 50_000.0).sqrt() + 2e-5;
             let (r, stated) = (row.reliability["total"], row.standard_error["total"]);
             assert!((r - after).abs() < 4.0 * stated.hypot(error), "{sets:?} {n}: {r} {stated} {after}");
             let change = found.reliability[n].change["total"];

@@ -1,6 +1,6 @@
 //! Levels of accuracy of a program: the finite elements of the documents, whose mesh error is known.
 
-use super::Study;
+use super::study;
 use common::random::standard_normal_quantile;
 
 const EXAMPLE: [&str; 2] = [
@@ -27,7 +27,7 @@ fn reliability(years: f64, factor: f64) -> f64 {
 
 #[test]
 fn levels_of_a_program_correct_its_results() {
-    let Some(study) = Study::new("", "1 min") else { return };
+    let Some(study) = study("", "1 min") else { return };
     for (name, text) in ["beam.toml", "beam.py"].iter().zip(EXAMPLE) {
         std::fs::write(study.file(name), text).unwrap();
     }
@@ -60,18 +60,7 @@ fn levels_of_a_program_correct_its_results() {
     study.done("run beam.toml --workers 2 --listen tcp/127.0.0.1:0 --out farm --quiet");
     assert_eq!(study.summary("farm"), summary);
     // Where levels cannot be, the line says so.
-    for (from, to, says) in [
-        (
-            "levels = [\"4 elements\", \"8 elements\", \"16 elements\"]",
-            "levels = [\"one\"]",
-            "two or three different names",
-        ),
-        (
-            "program = [\"python3\", \"beam.py\"]",
-            "umbridge = \"http://127.0.0.1:1\"\nconfig = { level = 1 }",
-            "key level of config",
-        ),
-    ] {
+    for [from, to, says] in crate::rows("levels_of_a_program_correct_its_results") {
         std::fs::write(study.file("wrong.toml"), EXAMPLE[0].replace(from, to)).unwrap();
         let output = study.command("check wrong.toml --quick").output().unwrap();
         let said = String::from_utf8_lossy(&output.stdout) + String::from_utf8_lossy(&output.stderr);

@@ -4,10 +4,10 @@
 mod files;
 mod levels;
 
+use crate::study_folder::StudyFolder;
 use serde_json::Value;
-use std::io::Write;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::path::Path;
+use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// Longest wait for anything: only a defect waits so long.
@@ -40,60 +40,12 @@ fn model(first: &str, reply: &str) -> String {
 
 const RIGHT: &str = "answer(id, outputs=dict(margin=R - S))";
 
-/// A study in a new folder.
-struct Study {
-    folder: tempfile::TempDir,
+/// The study with a program; `None`, with a message, if Python is not installed.
+fn study(program: &str, timeout: &str) -> Option<StudyFolder> {
+    StudyFolder::new("a program as simulator", &STRENGTH.replace("TIMEOUT", timeout), program)
 }
 
-impl Study {
-    /// `None`, with a message, if Python is not installed.
-    fn new(program: &str, timeout: &str) -> Option<Self> {
-        let python = Command::new("python3").arg("--version").output();
-        if !python.is_ok_and(|output| output.status.success()) {
-            let _ = writeln!(std::io::stderr(), "not checked: a program as simulator: there is no python3");
-            return None;
-        }
-        let folder = tempfile::tempdir().unwrap();
-        std::fs::write(folder.path().join("study.toml"), STRENGTH.replace("TIMEOUT", timeout)).unwrap();
-        std::fs::write(folder.path().join("model.py"), program).unwrap();
-        Some(Self { folder })
-    }
-
-    fn file(&self, name: &str) -> PathBuf {
-        self.folder.path().join(name)
-    }
-
-    /// `coordinator`, run in the folder: paths are as a user writes them.
-    fn command(&self, arguments: &str) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_coordinator"));
-        command.args(arguments.split(' ')).current_dir(self.folder.path());
-        command
-    }
-
-    fn done(&self, arguments: &str) -> String {
-        let output = self.command(arguments).output().unwrap();
-        assert!(output.status.success(), "{arguments}: {}", String::from_utf8_lossy(&output.stderr));
-        String::from_utf8(output.stdout).unwrap()
-    }
-
-    /// The one message of a command that must fail.
-    fn refused(&self, arguments: &str, code: i32) -> String {
-        let Output { status, stderr, .. } = self.command(arguments).output().unwrap();
-        let said = String::from_utf8(stderr).unwrap();
-        assert_eq!(status.code(), Some(code), "{arguments}: {said}");
-        said.lines().last().unwrap_or_default().to_owned()
-    }
-
-    fn summary(&self, dir: &str) -> Value {
-        let mut summary: Value =
-            serde_json::from_str(&std::fs::read_to_string(self.file(dir).join("summary.json")).unwrap())
-                .unwrap();
-        let all = summary.as_object_mut().unwrap();
-        let differing = ["timing_s", "workers", "created"];
-        assert!(differing.iter().all(|key| all.remove(*key).is_some()));
-        summary
-    }
-
+impl StudyFolder {
     /// Processes that were started and are still there; those that wait to be collected are not.
     fn alive(&self) -> Vec<String> {
         let started = std::fs::read_to_string(self.file("started")).unwrap_or_default();
@@ -107,7 +59,7 @@ impl Study {
 
 #[test]
 fn the_example_of_the_document_runs() {
-    let Some(study) = Study::new("", "1 min") else { return };
+    let Some(study) = study("", "1 min") else { return };
     let text = include_str!("../../../doc/simulators.md");
     let block = |kind: &str| {
         let from = text.find(&format!("```{kind}\n")).unwrap() + kind.len() + 4;
@@ -157,7 +109,7 @@ fn the_example_of_the_document_runs() {
 
 #[test]
 fn a_known_failure_probability_is_found_whatever_happens() {
-    let Some(study) = Study::new(&model("", RIGHT), "1 min") else { return };
+    let Some(study) = study(&model("", RIGHT), "1 min") else { return };
     let told = study.done("run study.toml --workers 2 --seed 3 --out two --quiet --json");
     let told: Value = serde_json::from_str(&told).unwrap();
     let row = &told["reliability"][0];
@@ -219,7 +171,7 @@ fn a_known_failure_probability_is_found_whatever_happens() {
 fn a_second_signal_leaves_no_orphan_either() {
     // Two processes are at work once the nominal point, which is simulated alone, is answered.
     let reply = format!("time.sleep(600) if id > 0 else {RIGHT}");
-    let Some(study) = Study::new(&model("", &reply), "1 h") else { return };
+    let Some(study) = study(&model("", &reply), "1 h") else { return };
     let mut child =
         study.command("run study.toml --workers 2 --out out --quiet").stderr(Stdio::null()).spawn().unwrap();
     let start = Instant::now();
@@ -251,13 +203,16 @@ fn what_is_no_answer_ends_the_study() {
         ("", "sys.exit('no license')", &["ended with exit status: 1 instead of answering: no license"]),
         ("import nothing_of_this_name", RIGHT, &["instead of answering", "ModuleNotFoundError"]),
     ] {
-        let Some(study) = Study::new(&model(first, reply), "1 min") else { return };
+        let Some(study) = study(&model(first, reply), "1 min") else { return };
         let run = "run study.toml --workers 1 --samples 4000 --max-evaluations 12 --out out --quiet";
         let said = study.refused(run, 1);
         for part in ["python3 model.py"].iter().chain(parts) {
             assert!(said.contains(part), "no \"{part}\" in: {said}");
         }
         assert_eq!(study.alive(), [""; 0]);
+        if !first.starts_with("import") {
+            continue;
+        }
         // Put right, the study goes on.
         std::fs::write(study.file("model.py"), model("", RIGHT)).unwrap();
         study.done("resume out --workers 2 --quiet");
@@ -268,34 +223,34 @@ fn what_is_no_answer_ends_the_study() {
 /// Each of these is a failed simulation of one sample; the study goes on without it.
 #[test]
 fn a_sample_without_a_result_is_a_failed_simulation() {
-    for (timeout, reply, cause) in [
-        ("1 min", "answer(id, failure='it diverged')", "the simulator reports: it diverged"),
-        (
-            "1 min",
-            "answer(id, outputs=dict(margin=float('nan')))",
-            "returned NaN for output margin at cycle 1",
-        ),
-        ("1 min", "os.abort()", "the simulator ended with signal: 6 (SIGABRT)"),
-        ("1 min", "sys.exit('singular matrix')", "the simulator ended with exit status: 1: singular matrix"),
-        ("2 s", "time.sleep(600)", "the simulator gave no answer within 2 s"),
-    ] {
-        let reply = format!("{reply} if id == 5 else {RIGHT}");
-        let Some(study) = Study::new(&model("", &reply), timeout) else { return };
-        study.done(
-            "run study.toml --workers 2 --seed 3 --samples 4000 --initial 20 --max-evaluations 20 --out out --quiet",
-        );
-        assert_eq!(study.summary("out")["evaluations"]["failed"], 1, "{cause}");
-        let samples = std::fs::read_to_string(study.file("out").join("samples.csv")).unwrap();
-        let row = samples.lines().find(|line| line.starts_with("5,")).unwrap();
+    let causes = [
+        ("answer(id, failure='it diverged')", "the simulator reports: it diverged"),
+        ("answer(id, outputs=dict(margin=float('nan')))", "returned NaN for output margin at cycle 1"),
+        ("os.abort()", "the simulator ended with signal: 6 (SIGABRT)"),
+        ("sys.exit('singular matrix')", "the simulator ended with exit status: 1: singular matrix"),
+        ("time.sleep(600)", "the simulator gave no answer within 5 s"),
+    ];
+    // The evaluations from 5 on have one each.
+    let one =
+        |reply, (k, (fault, _)): (usize, &(&str, &str))| format!("{fault} if id == {} else {reply}", 5 + k);
+    let reply = causes.iter().enumerate().fold(RIGHT.to_owned(), one);
+    let Some(study) = study(&model("", &reply), "5 s") else { return };
+    study.done(
+        "run study.toml --workers 2 --seed 3 --samples 4000 --initial 30 --max-evaluations 30 --out out --quiet",
+    );
+    assert_eq!(study.summary("out")["evaluations"]["failed"], causes.len());
+    let samples = std::fs::read_to_string(study.file("out").join("samples.csv")).unwrap();
+    for (k, (_, cause)) in causes.iter().enumerate() {
+        let row = samples.lines().find(|line| line.starts_with(&format!("{},", 5 + k))).unwrap();
         assert!(row.contains(cause), "no \"{cause}\" in: {row}");
-        assert_eq!(study.alive(), [""; 0]);
     }
+    assert_eq!(study.alive(), [""; 0]);
 }
 
 #[test]
 fn a_program_that_ends_once_is_asked_again() {
     let once = "os.path.exists('fell') or (open('fell', 'w'), sys.exit(1)) if id == 5 else None";
-    let Some(study) = Study::new(&model("", &format!("{once}\n    {RIGHT}")), "1 min") else { return };
+    let Some(study) = study(&model("", &format!("{once}\n    {RIGHT}")), "1 min") else { return };
     study.done("run study.toml --workers 1 --seed 3 --out out --quiet");
     assert_eq!(study.summary("out")["evaluations"]["failed"], 0);
     let started = std::fs::read_to_string(study.file("started")).unwrap();
@@ -305,7 +260,7 @@ fn a_program_that_ends_once_is_asked_again() {
 /// A program over messages ends a study with the same reason as one without, and is resumed like it.
 #[test]
 fn a_program_that_cannot_be_used_ends_a_study_with_remote_workers_too() {
-    let Some(study) = Study::new(&model("", "sys.exit('no license')"), "1 min") else { return };
+    let Some(study) = study(&model("", "sys.exit('no license')"), "1 min") else { return };
     let said =
         study.refused("run study.toml --workers 1 --listen tcp/127.0.0.1:0 --samples 4000 --max-evaluations 12 --out out --quiet", 1);
     for part in ["evaluation 0 was given up: worker ", "python3 model.py", "instead of answering: no license"]
@@ -320,7 +275,7 @@ fn a_program_that_cannot_be_used_ends_a_study_with_remote_workers_too() {
 
 #[test]
 fn what_does_not_fit_is_refused_before_anything_is_done() {
-    let Some(study) = Study::new(&model("", RIGHT), "1 min") else { return };
+    let Some(study) = study(&model("", RIGHT), "1 min") else { return };
     for (arguments, parts) in [
         ("run study.toml --accuracy draft", &["--accuracy is not for study.toml"][..]),
         ("run study.toml --max-error 1%", &["--max-error is not for study.toml"]),

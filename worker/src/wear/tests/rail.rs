@@ -250,7 +250,7 @@ fn every_load_has_its_equilibrium() {
 #[test]
 fn the_finer_copy_states_an_error_that_holds() {
     let instants = || -> Vec<(f64, RailInstant)> {
-        let steps = 400;
+        let steps = 200;
         (0..steps)
             .map(|k| {
                 let phase = std::f64::consts::TAU * f64::from(k) / f64::from(steps);
@@ -261,7 +261,8 @@ fn the_finer_copy_states_an_error_that_holds() {
             .collect()
     };
     let life = 40_000.0;
-    let run = |layout: RailLayout| -> (WornAmounts, WornAmounts) {
+    // The converged guide has no copy, which would have twice its points.
+    let run = |layout: RailLayout, with_copy: bool| -> (WornAmounts, WornAmounts) {
         let history = history(&layout, &instants());
         let mut rate = law(layout, [COEFFICIENT, 5e-14]);
         let finer = layout.finer();
@@ -269,18 +270,22 @@ fn the_finer_copy_states_an_error_that_holds() {
         let (mut depth, mut worn) = (vec![0.0; layout.depths()], WornAmounts::default());
         for _ in 0..8 {
             rate.freeze(&history);
-            copy.freeze(&history, life / 8.0, worn);
-            copy.advance();
+            if with_copy {
+                copy.freeze(&history, life / 8.0, worn);
+                copy.advance();
+            }
             wear(&mut rate, &mut depth, life / 8.0, 5e-3);
             worn = rate.sizes().amounts(&depth);
         }
-        copy.freeze(&history, 0.0, worn);
-        copy.advance();
+        if with_copy {
+            copy.freeze(&history, 0.0, worn);
+            copy.advance();
+        }
         (worn, copy.errors())
     };
-    let (exact, _) = run(layout(241, 30, true));
+    let (exact, _) = run(layout(241, 30, true), false);
     for (points, elements) in [(31, 4), (61, 8)] {
-        let (worn, stated) = run(layout(points, elements, true));
+        let (worn, stated) = run(layout(points, elements, true), true);
         for k in 0..2 {
             let off = (worn.depth(k) - exact.depth(k)).abs();
             println!(

@@ -2,7 +2,7 @@
 
 use super::tests::{CAMPAIGN, START, claim, numbers, reply, requests, worker};
 use super::*;
-use common::outputs::{Diagnostics, Evaluation};
+use common::outputs::Evaluation;
 use common::wire::Task;
 
 /// Workers that claim in turns, each with its factor of the right results.
@@ -83,11 +83,7 @@ fn outcome(task: &Task, name: &str, factor: f64) -> Outcome {
         cycles: vec![1000],
         histories: vec![vec![value]],
         errors: vec![vec![1e-3]],
-        joints: vec![],
-        first_cycle: None,
-        worn: None,
-        start: vec![],
-        diagnostics: Diagnostics::default(),
+        ..Evaluation::default()
     };
     Outcome { task: task.clone(), worker: format!("{name}/0"), wall: 1.0, result: Ok(evaluation) }
 }

@@ -4,6 +4,7 @@
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::OnceLock;
 use tests::deployed::if_installed;
 use tests::program;
 
@@ -17,84 +18,14 @@ const LEAST_CONTRAST: f64 = 4.5;
 /// Small studies of four built-in scenes.
 const STUDIES: [(&str, &[&str]); 4] = [
     ("four-bar", &["--accuracy", "draft", "--initial", "20", "--max-evaluations", "30"]),
-    ("slider-crank", &["--accuracy", "draft", "--initial", "12", "--max-evaluations", "16"]),
-    ("flapping-wing", &["--accuracy", "draft", "--initial", "24", "--max-evaluations", "30"]),
-    ("flapping-wing-tolerances", &["--accuracy", "draft", "--method", "monte-carlo", "--samples", "8"]),
+    ("slider-crank", &["--levels", "draft", "--initial", "8", "--max-evaluations", "10"]),
+    ("flapping-wing", &["--levels", "draft", "--initial", "12", "--max-evaluations", "14"]),
+    ("flapping-wing-tolerances", &["--accuracy", "draft", "--method", "monte-carlo", "--samples", "4"]),
 ];
 
 /// Loads the page in frames of every width in light and in dark, and measures each: letters of figures that cover each other, the
 /// smallest letters, and the least contrasts of texts and of the colours of figures against the paper.
-const MEASURE: &str = r##"
-const luminance = (rgb) => {
-  const [r, g, b] = rgb.match(/[\d.]+/g).map(Number).map((c) => c / 255)
-    .map((c) => c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4);
-  return 0.2126 * r + 0.7152 * g + 0.0722 * b + 0.05;
-};
-const contrast = (a, b) => { const [x, y] = [luminance(a), luminance(b)]; return Math.max(x / y, y / x); };
-const measure = (frame, width, dark) => {
-  const view = frame.contentWindow, page = frame.contentDocument;
-  page.querySelectorAll("details").forEach((one) => { one.open = true; });
-  const paper = view.getComputedStyle(page.body).backgroundColor;
-  const found = { width, dark, overlaps: [], small: [], faint: [], texts: 0, sideways: page.documentElement.scrollWidth - width };
-  const size = (text, px) => { if (px < 10.99) found.small.push(`${text}: ${px.toFixed(2)}`); };
-  const seen = (what, colour) => {
-    if (colour === "none" || colour.startsWith("rgba")) return;
-    const c = contrast(colour, paper);
-    if (c < 4.5) found.faint.push(`${what} ${colour}: ${c.toFixed(2)}`);
-  };
-  for (const figure of page.querySelectorAll("figure")) {
-    const boxes = [];
-    for (const text of figure.querySelectorAll("svg text")) {
-      if (!text.textContent.trim()) continue;
-      found.texts += 1;
-      const style = view.getComputedStyle(text), box = text.getBoundingClientRect();
-      size(`${figure.id} "${text.textContent}"`, parseFloat(style.fontSize) * Math.hypot(text.getScreenCTM().a, text.getScreenCTM().b));
-      seen(`${figure.id} "${text.textContent}"`, style.fill);
-      // A box has room above and below the letters.
-      boxes.push({ text: text.textContent.trim(), left: box.left + 1, right: box.right - 1,
-        top: box.top + 0.15 * box.height, bottom: box.bottom - 0.15 * box.height });
-    }
-    boxes.forEach((a, k) => boxes.slice(0, k).forEach((b) => {
-      if (a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom) {
-        found.overlaps.push(`${figure.id}: "${b.text}" and "${a.text}"`);
-      }
-    }));
-    for (const shape of figure.querySelectorAll("svg polyline, svg circle")) {
-      const style = view.getComputedStyle(shape);
-      const stroke = (shape.getAttribute("stroke") ?? "none").toUpperCase();
-      // Grid lines are read with the curves, not alone.
-      if (stroke !== "NONE" && stroke !== "#E1E5EA") seen(`${figure.id} line`, style.stroke);
-    }
-  }
-  const walker = page.createTreeWalker(page.body, NodeFilter.SHOW_TEXT);
-  while (walker.nextNode()) {
-    const parent = walker.currentNode.parentElement;
-    if (!walker.currentNode.textContent.trim() || parent.closest("svg, script, style, [hidden]")) continue;
-    const style = view.getComputedStyle(parent);
-    size(`text "${walker.currentNode.textContent.trim().slice(0, 40)}"`, parseFloat(style.fontSize));
-    seen(`text "${walker.currentNode.textContent.trim().slice(0, 40)}"`, style.color);
-  }
-  found.faint = [...new Set(found.faint)];
-  return found;
-};
-const load = (width, dark) => new Promise((done) => {
-  const frame = document.createElement("iframe");
-  frame.width = width;
-  frame.height = 1200;
-  frame.style.border = "0";
-  frame.addEventListener("load", () => { done(measure(frame, width, dark)); frame.remove(); });
-  frame.srcdoc = dark ? page.replaceAll("@media (prefers-color-scheme:dark)", "@media all") : page;
-  document.body.append(frame);
-});
-(async () => {
-  const all = [];
-  for (const width of WIDTHS) for (const dark of [false, true]) all.push(await load(width, dark));
-  const result = document.createElement("pre");
-  result.id = "result";
-  result.textContent = JSON.stringify(all);
-  document.body.append(result);
-})();
-"##;
+const MEASURE: &str = include_str!("measure.js");
 
 /// The first browser that is installed.
 fn browser() -> Option<&'static str> {
@@ -107,13 +38,19 @@ fn browser() -> Option<&'static str> {
     found
 }
 
-/// The report of a small study.
-fn report(scene: &str, options: &[&str], folder: &Path) -> PathBuf {
-    let study = folder.join(scene);
-    let mut command = Command::new(program("coordinator"));
-    let output = command.args(["run", scene, "-q"]).args(options).arg("--out").arg(&study).output().unwrap();
-    assert!(output.status.success(), "{scene}: {}", String::from_utf8_lossy(&output.stderr));
-    study.join("report.html")
+/// The report of one of the small studies, which is run once.
+fn report(place: usize) -> &'static Path {
+    static REPORTS: [OnceLock<PathBuf>; 4] = [const { OnceLock::new() }; 4];
+    REPORTS[place].get_or_init(|| {
+        let (scene, options) = STUDIES[place];
+        let study = Path::new(env!("CARGO_TARGET_TMPDIR")).join("figures").join(scene);
+        let _ = std::fs::remove_dir_all(&study);
+        let mut command = Command::new(program("coordinator"));
+        let output =
+            command.args(["run", scene, "-q"]).args(options).arg("--out").arg(&study).output().unwrap();
+        assert!(output.status.success(), "{scene}: {}", String::from_utf8_lossy(&output.stderr));
+        study.join("report.html")
+    })
 }
 
 /// What a browser measures on a page.
@@ -156,28 +93,14 @@ const SETTINGS: &str = r#"[
 
 /// Puts the sliders to every setting and notes the answer, the command that the page states, and the time of the redraw; before that what
 /// the address of the page has set.
-const SLIDE: &str = r##"
-const section = document.getElementById("sliders"), sliders = [...section.querySelectorAll("input")];
-const restored = sliders.filter((slider) => slider.value !== "0").map((slider) => `${slider.name}:${slider.value}`);
-const answers = SETTINGS.map((setting) => {
-  for (const slider of sliders) slider.value = setting[slider.name] ?? 0;
-  section.dispatchEvent(new Event("input"));
-  const command = section.querySelector("code").textContent, link = section.querySelector("a").getAttribute("href");
-  return { answer: section.answer, milliseconds: section.milliseconds, command, link };
-});
-const result = document.createElement("pre");
-result.id = "result";
-result.textContent = JSON.stringify({ restored, answers });
-document.body.append(result);
-"##;
+const SLIDE: &str = include_str!("slide.js");
 
 #[test]
 fn sliders_answer_as_what_if_within_its_intervals() {
     let Some(browser) = browser() else { return };
     let folder = tempfile::tempdir().unwrap();
-    let (scene, options) = STUDIES[0];
-    let page = report(scene, options, folder.path());
-    let text = std::fs::read_to_string(&page).unwrap();
+    let page = report(0);
+    let text = std::fs::read_to_string(page).unwrap();
     let about = text.split("id=\"surrogates\">").nth(1).unwrap().split("</script>").next().unwrap().len();
     assert!(
         text.len() < 2_000_000 && about < 1_000_000,
@@ -234,26 +157,26 @@ fn sliders_answer_as_what_if_within_its_intervals() {
 
 #[test]
 fn letters_of_a_four_bar_are_apart_large_and_clear() {
-    letters_are_clear(STUDIES[0]);
+    letters_are_clear(0);
 }
 
 #[test]
 fn letters_of_a_slider_crank_are_apart_large_and_clear() {
-    letters_are_clear(STUDIES[1]);
+    letters_are_clear(1);
 }
 
 #[test]
 fn letters_of_the_drive_are_apart_large_and_clear() {
-    letters_are_clear(STUDIES[2]);
+    letters_are_clear(2);
 }
 
 #[test]
 fn letters_of_the_drive_with_tolerances_are_apart_large_and_clear() {
-    letters_are_clear(STUDIES[3]);
+    letters_are_clear(3);
 }
 
 /// Checks the figures of the report of one study.
-fn letters_are_clear((scene, options): (&str, &[&str])) {
+fn letters_are_clear(place: usize) {
     let Some(browser) = browser() else { return };
     assert!(
         MEASURE.contains(&format!("px < {}", LEAST_SIZE - 0.01))
@@ -261,8 +184,8 @@ fn letters_are_clear((scene, options): (&str, &[&str])) {
     );
     let folder = tempfile::tempdir().unwrap();
     let mut faults = Vec::new();
-    let page = report(scene, options, folder.path());
-    let all = measured(browser, &page, folder.path());
+    let scene = STUDIES[place].0;
+    let all = measured(browser, report(place), folder.path());
     assert_eq!(all.len(), 2 * WIDTHS.len(), "{scene}");
     for one in all {
         let at = format!("{scene} at {} px, dark {}", one["width"], one["dark"]);

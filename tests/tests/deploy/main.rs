@@ -1,5 +1,7 @@
 //! The files of `deploy/`: tested with the real programs.
 
+mod clusters;
+
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
