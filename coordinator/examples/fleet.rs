@@ -16,7 +16,7 @@ const SEED: u64 = 12;
 /// Factor on the wear coefficient, the variable of this index.
 const WORN: (usize, f64) = (0, 1.02);
 /// Ages at which the units are looked at, and the error of a life [cycles].
-const AGES: std::ops::Range<f64> = 4500.0..6200.0;
+const AGES: std::ops::Range<f64> = 5000.0..7000.0;
 const ERROR: f64 = 50.0;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
