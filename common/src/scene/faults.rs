@@ -221,7 +221,8 @@ impl FaultKind {
         known: impl Iterator<Item = &'n str> + Clone,
     ) -> Self {
         // The name of a parameter, or the last part of a single path.
-        let after = |path: &'n str, before: &str| path.strip_suffix(name).is_some_and(|rest| rest.ends_with(before));
+        let after =
+            |path: &'n str, before: &str| path.strip_suffix(name).is_some_and(|rest| rest.ends_with(before));
         let mut ending = known.clone().filter(|path| after(path, "."));
         let single = ending.next().filter(|_| ending.next().is_none());
         let parameter = known.clone().find(|path| after(path, "parameters."));
