@@ -45,7 +45,9 @@ impl<'s> Section<'s> {
             self.wrong_type(
                 key,
                 value,
-                format!("a list of tables: each row begins with [[{key}]], and has its name as a key"),
+                format!(
+                    "a list of tables [[{key}]]: each row begins with this head, and has its name as a key"
+                ),
             );
             return Vec::new();
         };

@@ -130,7 +130,11 @@ fn issue_a_misspelt_key_was_missing_too() {
 
 #[test]
 fn issue_a_table_for_a_list_was_missing_too() {
-    only("[[limit_states]]", "[limit_states.wear]", "each row begins with [[limit_states]]");
+    only(
+        "[[limit_states]]",
+        "[limit_states.wear]",
+        "expected a list of tables [[limit_states]]: each row begins with this head",
+    );
     only("[bodies.points]", "[[bodies.points]]", "expected a table, whose head has one bracket on each side");
 }
 
