@@ -2,7 +2,7 @@ use super::result::FleetReport;
 use super::*;
 use crate::statistics::design::Population;
 use crate::study::{LifeModel, Observed, Settings, StoredOutcome, learn_from_results};
-use common::scene::SceneSource;
+use common::scene::{Faults, SceneSource};
 use std::sync::LazyLock;
 
 /// A wear that grows in proportion to time, from an offset, and another output that no limit state watches.
