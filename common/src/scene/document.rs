@@ -36,8 +36,10 @@ fn advice(location: &Location) -> Option<String> {
         return Some("use straight quotes: \"".to_owned());
     }
     let written = |key: &str| !key.trim().is_empty() && !key.contains(['=', '"', '[', '#']);
-    if let Some(value) = after.strip_prefix(':').filter(|_| written(before)) {
-        return Some(format!("write {} = {}", before.trim(), value.trim()));
+    let with_colon = after.strip_prefix(':').map(|value| (before, value));
+    let with_colon = with_colon.or_else(|| Some((before.trim_end().strip_suffix(':')?, after)));
+    if let Some((key, value)) = with_colon.filter(|(key, _)| written(key)) {
+        return Some(format!("write {} = {}", key.trim(), value.trim()));
     }
     if let Some((rest, value)) = after.split_once('=').filter(|_| written(before)) {
         let key = format!("{before}{rest}");

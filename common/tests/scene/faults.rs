@@ -111,7 +111,6 @@ fn all_faults_at_once() {
     let found = SceneSource::parse(&text, "my.toml").unwrap_err();
     let keys: Vec<_> = found.0.iter().map(|fault| fault.key.as_str()).collect();
     let expected = [
-        "materials.bronze.poisson_ratio",
         "materials.bronze.poison_ratio",
         "materials.steel.elastic_modulus",
         "loads.work.body",

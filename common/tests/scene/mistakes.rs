@@ -102,8 +102,8 @@ fn only(from: &str, to: &str, says: &str) {
 fn issue_a_misspelt_key_was_missing_too() {
     for (from, to, says) in [
         (
-            "friction_speed = ",
-            "frction_speed = ",
+            "friction_speed = \"friction_speed\"",
+            "frction_speed = \"friction_speed\"",
             "frction_speed: unknown key, did you mean \"friction_speed\"?",
         ),
         // Of two keys of which one is needed, and one that decides about the others.

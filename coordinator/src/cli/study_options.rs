@@ -9,7 +9,6 @@ use clap::Args;
 use common::accuracy::{LevelsError, NamedAccuracy};
 use common::scene::Scene;
 use coordinator::statistics::learning::LearningFunction;
-use coordinator::statistics::reliability::REACH;
 use coordinator::statistics::surrogate::{Kernel, StatedErrors, Trend};
 use coordinator::study::{FinerLevels, Method, SettingError, Settings};
 use std::path::PathBuf;
@@ -196,9 +195,6 @@ pub struct MethodArguments {
     pub memory: Option<usize>,
 }
 
-/// Most points of a population that follow from `--target-error`.
-const MOST_POINTS: f64 = 1e6;
-
 impl MethodArguments {
     /// The options given that only surrogates have, if the method has none.
     pub fn without_effect(&self) -> Vec<&'static str> {
@@ -290,13 +286,6 @@ impl RunArguments {
         replace(&mut settings.stated_errors, method.stated_errors);
         replace(&mut settings.memory, method.memory);
         settings.target_error = method.target_error.or(settings.target_error);
-        if let (Some(error), None, Method::ActiveLearning) =
-            (method.target_error, method.samples, settings.method)
-        {
-            // Half of the square of the half width is left to the sampling, where R is 1/2.
-            let points = 0.5 * (REACH / error).powi(2);
-            settings.samples = settings.samples.max(points.min(MOST_POINTS) as usize);
-        }
         settings
     }
 }
@@ -325,8 +314,7 @@ mod tests {
             ..Default::default()
         };
         let found = RunArguments { method, ..Default::default() }.settings(scene);
-        // 0.5 (1.96 / 0.003)^2 points are more than those of the scene.
-        assert_eq!((found.initial, found.seed, found.samples), (20, 9, 213_422));
+        assert_eq!((found.initial, found.seed, found.samples), (20, 9, scene.study.population));
         assert_eq!(found.max_evaluations, scene.study.max_evaluations);
         assert_eq!((found.forms.kernel, found.forms.trend), (Some(Kernel::Matern52), None));
         assert_eq!(found.targets(), StoppingTargets::from_half_width(0.003));

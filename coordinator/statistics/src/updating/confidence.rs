@@ -72,7 +72,7 @@ pub struct ConfidentReliability {
     pub lives: Vec<ConfidentLife>,
     /// Median over the sets of the effective number of points by which R of a set was counted [1].
     pub effective_size: f64,
-    /// The same of each limit state, where there are two or more.
+    /// Bounds by each limit state alone and of its first failures; empty for a single limit state.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub limit_states: Vec<ConfidentLimitState>,
 }
