@@ -98,7 +98,8 @@ fn issue_a_guide_before_a_hinge_had_the_depths_of_the_hinge() {
     let [rail, pin] = &life.joints[..] else { panic!("two joints") };
     assert_eq!([&rail.name, &pin.name], ["rail", "pin"]);
     assert_eq!([rail.peak_force, pin.peak_force], [300.0, 9.0]);
-    assert!(pin.wear_depth.iter().any(|depth| *depth > 0.0) && rail.journal_wear_depth.len() == 82);
+    let wears = |depths: &[f64]| depths.iter().any(|depth| *depth > 0.0);
+    assert!(wears(&pin.wear_depth) && wears(&rail.journal_wear_depth), "{rail:?}");
 }
 
 #[test]
