@@ -4,14 +4,14 @@ use super::tests::{WEAR, agrees, learned, study, wear};
 use super::*;
 use common::random::{standard_normal_cdf, standard_normal_quantile};
 
-/// Measured rates and offsets of twenty units: standard normals with a correlation near 0.7.
+/// Measured rates and offsets of ten units: standard normals with a correlation near 0.7.
 fn measured() -> Vec<[f64; 2]> {
     let unit = |k: u32| {
-        let a = standard_normal_quantile((f64::from(k) + 0.5) / 20.0);
-        let b = standard_normal_quantile((f64::from(7 * k % 20) + 0.5) / 20.0);
+        let a = standard_normal_quantile((f64::from(k) + 0.5) / 10.0);
+        let b = standard_normal_quantile((f64::from(3 * k % 10) + 0.5) / 10.0);
         [25.0 + 3.0 * a, 2.0 + 0.5 * (0.7 * a + 0.51_f64.sqrt() * b)]
     };
-    (0..20).map(unit).collect()
+    (0..10).map(unit).collect()
 }
 
 /// Standard deviations of the errors of both.
@@ -25,8 +25,8 @@ fn rows(measured: &[[f64; 2]]) -> String {
 }
 
 fn defaults(settings: &mut LearnSettings) {
-    *settings = LearnSettings { ranks: false, points: 8000, ..LearnSettings::new(3) };
-    settings.units.population = 8000;
+    *settings = LearnSettings { ranks: false, points: 4000, ..LearnSettings::new(3) };
+    settings.units.population = 4000;
 }
 
 /// Mean and standard deviation of r with the density of a bivariate normal of the measured values, by quadrature; `prior` is that of r.
