@@ -112,7 +112,7 @@ fn without_followers(mut faults: Vec<Fault>) -> Vec<Fault> {
         let is_points = |fault: &Fault| list == "points" && fault.key.starts_with("bodies.");
         let is_cause = |fault: &Fault| match &fault.kind {
             FaultKind::UnknownReference(..) => false,
-            FaultKind::UnknownKey { nearest, .. } => {
+            FaultKind::UnknownKey { nearest, .. } if !fault.key.starts_with(&format!("{list}[")) => {
                 nearest.as_deref() == Some(list) && (is_points(fault) || !fault.key.contains('.'))
             }
             _ if is_points(fault) => fault.key.ends_with(".points"),
