@@ -1,7 +1,7 @@
 //! The fleet of the tutorial: `cargo run --release -p coordinator --example fleet > fleet.csv`
 //!
 //! Twelve mechanisms of the built-in `four-bar`, which wear 2 % faster than the scene has it, are simulated at `draft`. Each is looked at
-//! after an age of its own: it still runs, or it has failed at a life that was noted with an error of 50 cycles.
+//! after a random age: it still runs, or it has failed at a life that was noted with an error of 50 cycles.
 
 use common::accuracy::Accuracy;
 use common::scene::SceneSource;

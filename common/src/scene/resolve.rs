@@ -96,7 +96,7 @@ pub(super) fn resolve(
     }
 }
 
-/// The faults without those of references to what another fault left out: a row without a name of its own, a list or table that is misspelt or of
+/// The faults without those of references to what another fault left out: a row without a name, a list or table that is misspelt or of
 /// another type.
 fn without_followers(mut faults: Vec<Fault>) -> Vec<Fault> {
     for (list, missed) in [

@@ -84,7 +84,7 @@ fn the_mean_of_a_correlated_variable_has_the_conjugate_closed_form() {
     assert!(agrees(found, mean, std, report.effective_size), "{found:?}; exact {mean} {std}");
 }
 
-/// Two wears that compete, each proportional to a rate of its own.
+/// Two wears that compete, each proportional to another rate.
 const COMPETING: &str = r#"
 scene = { name = "competing" }
 simulator = { program = ["closure"] }
