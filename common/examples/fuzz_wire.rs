@@ -52,10 +52,8 @@ fn sound_frames() -> Vec<Vec<u8>> {
         }],
         first_cycle: Some(CycleHistory {
             time: vec![0.0, 0.1],
-            motion: vec![],
-            bodies: vec![],
             joint_force: vec![("crank".into(), vec![1.0, 2.0])],
-            journals: vec![],
+            ..CycleHistory::default()
         }),
         worn: None,
         diagnostics: Diagnostics::default(),

@@ -80,7 +80,7 @@ pub struct WornLife {
 }
 
 /// Time histories of one cycle on a common time grid.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct CycleHistory {
     /// Time from the start of the cycle `(n,)` [s].
     pub time: Vec<f64>,
@@ -93,6 +93,9 @@ pub struct CycleHistory {
     /// Journals of a cycle that another program gives; empty for the built-in mechanics.
     #[serde(default)]
     pub journals: Vec<JournalPath>,
+    /// Name of each guide of a cycle that another program gives, with the position of its slider's middle along it `(n,)` [m].
+    #[serde(default)]
+    pub slider_position: Vec<(String, Vec<f64>)>,
 }
 
 impl CycleHistory {

@@ -50,6 +50,7 @@ fn cycle() -> CycleHistory {
             force: vec![[7.0, 8.0]],
             eccentricity: vec![[9.0, 10.0]],
         }],
+        slider_position: vec![("2".into(), vec![11.0])],
     }
 }
 

@@ -76,10 +76,13 @@ fn in_cycle(cycle: &CycleHistory, which: &str) -> Option<String> {
             return Some(format!("journal {at} of joint {} in the {which} cycle", path.joint));
         }
     }
-    let force = |(joint, force): &(String, Vec<f64>)| {
-        position(force).map(|at| format!("force {at} of joint {joint} in the {which} cycle"))
+    let of_joints = |what: &str, values: &[(String, Vec<f64>)]| {
+        let named = |(joint, values): &(String, Vec<f64>)| {
+            position(values).map(|at| format!("{what} {at} of joint {joint} in the {which} cycle"))
+        };
+        values.iter().find_map(named)
     };
-    cycle.joint_force.iter().find_map(force)
+    of_joints("force", &cycle.joint_force).or_else(|| of_joints("position", &cycle.slider_position))
 }
 
 /// True if every number of a failure is finite. In JSON the others are null, as is the name of a joint where there is none.

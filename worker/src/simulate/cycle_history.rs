@@ -111,7 +111,8 @@ impl Run<'_> {
         let joint_force = self.joint_values(|full, joint| {
             full.displayed.as_ref().map_or_else(Vec::new, |motion| motion.force(joint))
         });
-        CycleHistory { bodies, motion: self.body_motions(&time), joint_force, journals: vec![], time }
+        let motion = self.body_motions(&time);
+        CycleHistory { time, bodies, motion, joint_force, ..CycleHistory::default() }
     }
 
     /// Motion of every body that moves, in the scene's order, at the times `time` [s].

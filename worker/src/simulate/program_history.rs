@@ -10,8 +10,7 @@ use common::scene::Scene;
 pub(super) fn cycle_history(scene: &Scene, joints: &[(&String, &JointCycle)]) -> CycleHistory {
     let time = sample_times(scene);
     let start = joints.iter().map(|(_, cycle)| cycle.time[0]).fold(f64::INFINITY, f64::min);
-    let mut history =
-        CycleHistory { time, bodies: vec![], motion: vec![], joint_force: vec![], journals: vec![] };
+    let mut history = CycleHistory { time, ..CycleHistory::default() };
     for &(name, cycle) in joints {
         // Interval of the instants and share of it, by time.
         let place = |time: &f64| {
@@ -29,7 +28,13 @@ pub(super) fn cycle_history(scene: &Scene, joints: &[(&String, &JointCycle)]) ->
             places.iter().map(at).collect()
         };
         history.joint_force.push((name.clone(), values(&cycle.normal)));
-        let CycleContacts::Bore { force, angle, eccentricity } = &cycle.contacts else { continue };
+        let (force, angle, eccentricity) = match &cycle.contacts {
+            CycleContacts::Bore { force, angle, eccentricity } => (force, angle, eccentricity),
+            CycleContacts::Guide { position, .. } => {
+                history.slider_position.push((name.clone(), values(position)));
+                continue;
+            }
+        };
         let eccentricity = eccentricity.as_deref().map(pairs).unwrap_or_default();
         history.journals.push(JournalPath { joint: name.clone(), force: pairs(force), eccentricity });
         history.bodies.extend(angle.as_ref().map(|angle| BodyTrace {

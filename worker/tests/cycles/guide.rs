@@ -74,6 +74,14 @@ fn loaded(load: &str) -> SceneSource {
 fn an_ideal_slider_wears_evenly_under_its_load() {
     let load = r#""force": [-300, -300, -300, -300], "moment": [0, 0, 0, 0]"#;
     let life = evaluate(&loaded(load), &[300.0]).unwrap().unwrap();
+    let cycle = life.first_cycle.as_ref().unwrap();
+    let [(rail, position)] = &cycle.slider_position[..] else { panic!("one slider") };
+    // A straight line between the instants; after the last one the place stays.
+    let at = |share: f64| position[(share * (position.len() - 1) as f64).round() as usize];
+    assert_eq!((rail.as_str(), position.len()), ("rail", cycle.time.len()));
+    for (share, expected) in [(0.0, 0.08), (0.125, 0.09), (0.5, 0.12), (0.625, 0.11)] {
+        assert!((at(share) - expected).abs() < 1e-4, "{share}: {}", at(share));
+    }
     // K F S / A of every cycle.
     let expected = 1e-13 * 300.0 * 0.08 / (0.06 * 0.02) * 20_000.0;
     let found = life.histories[0].last().unwrap();

@@ -69,9 +69,8 @@ pub(super) fn finished(id: u64) -> Finished {
     let first_cycle = (id == 0).then(|| CycleHistory {
         time: vec![0.0, 1.0 / 3.0],
         bodies: vec![BodyTrace { label: "right".into(), angle: x.clone(), speed: vec![-0.0, 0.7] }],
-        motion: vec![],
         joint_force: vec![("1".into(), vec![0.1, 0.2])],
-        journals: vec![],
+        ..CycleHistory::default()
     });
     let worn = first_cycle.clone().map(|cycle| WornLife {
         cycles: vec![0, 1000],

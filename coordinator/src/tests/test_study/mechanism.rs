@@ -76,8 +76,8 @@ pub fn first_cycle() -> CycleHistory {
             moving("rod", time.iter().zip(&turning).map(behind).collect()),
         ],
         joint_force: (1..=6).map(force).collect(),
-        journals: vec![],
         time,
+        ..CycleHistory::default()
     }
 }
 

@@ -43,10 +43,31 @@ pub fn first_cycle(input: &ReportInput) -> Vec<Figure> {
     let of_angles = ["angles", "Angles of the first cycle", &axis(&angle, ANGLE.2)];
     let of_speeds = ["angular-velocities", "Angular velocities of the first cycle", &axis(&speed, SPEED.2)];
     let force = units.of(OutputUnit::Force);
+    let symbol = units.symbol("mm");
+    let length = OutputUnit::Shown {
+        usual: Box::new(OutputUnit::Length),
+        symbol: symbol.to_owned(),
+        si: unit_scale(symbol),
+    };
+    let stroke = |(joint, position): &(String, Vec<f64>)| {
+        let (low, high) = range(position.iter().copied());
+        format!("joint {joint} {}", fixed_with_unit(&length, high - low, 2))
+    };
+    let strokes = joined(cycle.slider_position.iter().map(stroke), ", ");
+    let of_sliders = ["slider-positions", "Sliders in the first cycle", &axis(&length, "position")];
+    let position =
+        |(joint, position): &(String, Vec<f64>)| (format!("joint {joint}"), trace(cycle, position, &length));
+    let positions = cycle.slider_position.iter().map(position).collect();
     let figures = [
         forces(cycle, &force, ["joint-forces", title, state]),
         over_time(cycle, of_angles, traces(&ANGLE, &angle), &extremes),
         over_time(cycle, of_speeds, traces(&SPEED, &speed), "As the angles above, with the same signs."),
+        over_time(
+            cycle,
+            of_sliders,
+            positions,
+            &format!("Middle of the slider along its guide. Stroke: {strokes}."),
+        ),
     ];
     figures.into_iter().flatten().collect()
 }
@@ -231,5 +252,22 @@ mod tests {
         // Half way between two points of equal slope, zero: the mean of their values.
         assert!((found.loads[0].2.iter().find(|p| (p.0 - 45.0).abs() < 5.1).unwrap().1 + 1.0).abs() < 1.0);
         assert!(VaryingLoads::new(scene, &cycle[..1], &degrees).is_none());
+    }
+
+    #[test]
+    fn sliders_of_a_program_have_their_positions() {
+        let mut input = crate::tests::test_study::report_input();
+        let cycle = input.nominal.as_mut().unwrap().first_cycle.as_mut().unwrap();
+        let n = cycle.time.len();
+        let place = |k: usize| 0.1 + 0.02 * (std::f64::consts::TAU * k as f64 / (n - 1) as f64).sin();
+        cycle.slider_position = vec![("rail".into(), (0..n).map(place).collect())];
+        let figures = first_cycle(&input);
+        let found = figures.iter().find(|figure| figure.name == "slider-positions").unwrap();
+        assert!(
+            found.caption.replace('\u{a0}', " ").ends_with("Stroke: joint rail 40.00 mm."),
+            "{}",
+            found.caption
+        );
+        assert!(found.drawing.content.contains("position [mm]"));
     }
 }
