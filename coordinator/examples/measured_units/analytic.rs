@@ -10,12 +10,11 @@
 //! | `third` | 0.37, as in `four-bar` | the same |
 //! | `prior` | 0.37 | drawn from stated priors, under which intervals are exact |
 
-use super::{SEED, Study, fleets};
+use super::{Study, fleets, learning, simulated};
 use common::random::{standard_normal_cdf, standard_normal_quantile};
 use common::scene::SceneSource;
-use coordinator::statistics::design::{InputModel, Population};
 use coordinator::statistics::life_data::UnitLife;
-use coordinator::study::{Observed, Settings, StoredOutcome, learn_from_results, result_of};
+use coordinator::study::{learn_from_results, result_of};
 use rand_chacha::ChaCha12Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::error::Error;
@@ -149,21 +148,8 @@ variables = [
     );
     let source = SceneSource::parse(&text, "closed-form")?;
     let scene = source.nominal();
-    let settings = Settings {
-        samples: 20_000,
-        initial: SIMULATIONS,
-        max_evaluations: SIMULATIONS,
-        ..Settings::from(scene)
-    };
-    let points = Population::draw(InputModel::from_scene(scene), SIMULATIONS, SEED);
-    let outcome = |j: usize| {
-        let sample = points.physical(j);
-        let wear = |n: &u32| sample[0] * sample[1] * f64::from(*n) / 1000.0;
-        let history = scene.life.checkpoints().iter().map(wear).collect();
-        let observed = Observed { start: vec![Some(0.0)], ..Observed::exact(vec![history]) };
-        StoredOutcome { sample, outcome: Ok(observed) }
-    };
-    let stored: Vec<StoredOutcome> = (0..SIMULATIONS).map(outcome).collect();
+    let settings = learning(scene, 20_000, SIMULATIONS);
+    let stored = simulated(scene, SIMULATIONS, |sample, n| sample[0] * sample[1] * n / 1000.0);
     let learned = learn_from_results(scene, scene, &settings, &stored)?;
     let summary = result_of(scene, &settings, &learned, Instant::now()).summary;
     Ok((source, settings, summary, stored))

@@ -26,6 +26,7 @@ use coordinator::analyses::update::{
 use coordinator::presentation::report::SUMMARY_DOCUMENT;
 use coordinator::results::store::{CampaignFile, StoreError};
 use coordinator::results::summary::StudySummary;
+use coordinator::statistics::design::{InputModel, Population};
 use coordinator::statistics::reliability::Track;
 use coordinator::study::{LifeModel, Observed, Settings, StoredOutcome, learn_from_results};
 use rand_chacha::ChaCha12Rng;
@@ -185,4 +186,21 @@ fn median(lives: &[f64]) -> f64 {
     let mut sorted = lives.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);
     sorted[sorted.len() / 2]
+}
+
+/// Settings of a study of the scene that has all its simulations at first.
+fn learning(scene: &Scene, samples: usize, simulations: usize) -> Settings {
+    Settings { samples, initial: simulations, max_evaluations: simulations, ..Settings::from(scene) }
+}
+
+/// Simulations of the one output of the scene, the exact `value` of a sample at a number of cycles.
+fn simulated(scene: &Scene, count: usize, value: impl Fn(&[f64], f64) -> f64) -> Vec<StoredOutcome> {
+    let points = Population::draw(InputModel::from_scene(scene), count, SEED);
+    let outcome = |j: usize| {
+        let sample = points.physical(j);
+        let history = scene.life.checkpoints().iter().map(|n| value(&sample, f64::from(*n))).collect();
+        let start = vec![Some(value(&sample, 0.0))];
+        StoredOutcome { sample, outcome: Ok(Observed { start, ..Observed::exact(vec![history]) }) }
+    };
+    (0..count).map(outcome).collect()
 }

@@ -2,11 +2,11 @@
 //!
 //! The closed form is the tolerance bound by the noncentral t distribution, which holds exactly as often as stated.
 
-use super::SEED;
+use super::{SEED, learning, simulated};
 use common::scene::SceneSource;
 use coordinator::analyses::learn::{fitted_reliability, uncertain_fits};
-use coordinator::statistics::design::{InputModel, Population};
-use coordinator::study::{LifeModel, Observed, Settings, StoredOutcome, learn_from_results};
+use coordinator::statistics::design::InputModel;
+use coordinator::study::{LifeModel, learn_from_results};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha12Rng;
 use std::error::Error;
@@ -39,20 +39,8 @@ pub fn run(n: usize, count: usize) -> Result<(), Box<dyn Error>> {
     let scene = source.nominal();
     let truth = &scene.variables[0].distribution;
     let exact = truth.quantile(0.1);
-    let settings = Settings {
-        samples: 2000,
-        initial: SIMULATIONS,
-        max_evaluations: SIMULATIONS,
-        ..Settings::from(scene)
-    };
-    let points = Population::draw(InputModel::from_scene(scene), SIMULATIONS, SEED);
-    let outcome = |j: usize| {
-        let sample = points.physical(j);
-        let history = scene.life.checkpoints().iter().map(|n| f64::from(*n) - sample[0]).collect();
-        let observed = Observed { start: vec![Some(-sample[0])], ..Observed::exact(vec![history]) };
-        StoredOutcome { sample, outcome: Ok(observed) }
-    };
-    let stored: Vec<StoredOutcome> = (0..SIMULATIONS).map(outcome).collect();
+    let settings = learning(scene, 2000, SIMULATIONS);
+    let stored = simulated(scene, SIMULATIONS, |sample, n| n - sample[0]);
     let learned = learn_from_results(scene, scene, &settings, &stored)?;
     let mut rng = ChaCha12Rng::seed_from_u64(SEED);
     let mut held = 0;
