@@ -80,7 +80,7 @@ pub struct WornLife {
 }
 
 /// Time histories of one cycle on a common time grid.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct CycleHistory {
     /// Time from the start of the cycle `(n,)` [s].
     pub time: Vec<f64>,
@@ -126,7 +126,7 @@ pub struct BodyTrace {
 }
 
 /// Motion of one body in the plane over a cycle.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct BodyMotion {
     /// Name of the body, as in the scene.
     pub body: String,
