@@ -18,10 +18,10 @@ fn joints_of_one_condition_and_stops() {
     let (pair, ring, strap) = (mesh("pair"), mesh("ring"), mesh("strap"));
     let cos = (-PI / 7.2).cos();
     same(&pair.arms, &[0.015 * cos, 0.005 * cos]);
-    same(&ring.arms, &[-0.015 * (PI / 9.0).cos(), 0.025 * (PI / 9.0).cos()]);
+    same(&ring.arms, &[-0.015 * (PI / 9.0).cos(), 0.035 * (PI / 9.0).cos()]);
     same(&strap.arms, &[-0.005, 0.01]);
     // The slider lies below the axis of the rack, which is turned by 15 deg: it turns its wheel counter-clockwise against the axis.
-    same(&mesh("toothed_rod").arms, &[0.0, 0.012 * (PI / 9.0).cos()]);
+    same(&mesh("toothed_rod").arms, &[0.0, 0.01035 * (PI / 9.0).cos()]);
     let JointKind::Cam { direction, lift } = &joint(&scene, "follower").kind else { panic!() };
     assert!(direction[0].abs() < 1e-15 && direction[1] == -1.0);
     same_table(lift, &[0.0, PI / 1.5, TAU], &[0.02, 0.025, 0.02], true);
@@ -66,8 +66,8 @@ fn joints_have_the_defaults_of_their_scene() {
             "joint_defaults: no joint has type = \"clearance\"",
         ),
         (
-            "\"gear\"\na = { body = \"pinion\", point = \"centre\" }",
-            "\"belt\"\na = { body = \"follower\", point = \"foot\" }",
+            "\"gear\"\na = { body = \"pinion\", point = \"centre\" }\nb = { body = \"camshaft\", point = \"centre\" }\nradius_a = \"25 mm\"",
+            "\"belt\"\na = { body = \"pinion\", point = \"centre\" }\nb = { body = \"camshaft\", point = \"centre\" }\nradius_a = \"125 mm\"",
             "joints.teeth: one pulley lies within the other",
         ),
     ] {
