@@ -129,7 +129,7 @@ pub struct BodyTrace {
 }
 
 /// Motion of one body in the plane over a cycle.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct BodyMotion {
     /// Name of the body, as in the scene.
     pub body: String,

@@ -38,7 +38,7 @@ impl JointKind {
         };
         let range = |table: &Table| between(table.range(), "to");
         Some(match self {
-            JointKind::Slot { axis } => format!("pin in a slot along {:.3} deg", axis.to_degrees()),
+            JointKind::Slot { axis } => format!("pin in a slot along {}", units.text(*axis, "deg", 3)),
             JointKind::LinearDrive(Drive::ConstantSpeed { start_angle: start, speed }) => {
                 format!("linear drive from {} at {}", length(*start), units.text(*speed, "mm/s", 3))
             }
@@ -55,7 +55,7 @@ impl JointKind {
                 format!("{what} {}, ratio {ratio:.6}", between([*a, *b], "and"))
             }
             JointKind::Cam { direction: [x, y], lift } => {
-                format!("cam, lift {} along {:.3} deg", range(lift), y.atan2(*x).to_degrees())
+                format!("cam, lift {} along {}", range(lift), units.text(y.atan2(*x), "deg", 3))
             }
             _ => return None,
         })
@@ -94,7 +94,12 @@ fn in_words(form: Form, value: &Value, scene: &Scene) -> String {
         Value::Place(place) => body(place.body),
         Value::Body(index) => body(*index),
         Value::SignedBody(signed) => signed.label.clone(),
-        Value::Pair([x, y]) => format!("({x}, {y}) {si}").trim_end().to_owned(),
+        Value::Pair([x, y]) => match form {
+            Form::Pair(kind) if scene.units.symbol(si) != si => {
+                format!("({}, {})", quantity(*x, kind, &scene.units), quantity(*y, kind, &scene.units))
+            }
+            _ => format!("({x}, {y}) {si}").trim_end().to_owned(),
+        },
         Value::Number(number) => match form {
             Form::Number(kind, _) | Form::NumberOr(kind, ..) => quantity(*number, kind, &scene.units),
             _ => number.to_string(),
@@ -140,6 +145,9 @@ fn curve_in_words(Curve { over, table }: &Curve, scene: &Scene, unit: &str) -> S
     };
     let [least, most] = table.range();
     let repeat = if table.repeat { "repeated" } else { "once" };
-    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
-    format!("{least} to {most}{unit} by a table over {over}, {repeat}")
+    let range = match scene.units.symbol(unit) {
+        chosen if chosen != unit => [least, most].map(|value| scene.units.text(value, unit, 3)).join(" to "),
+        unit => format!("{least} to {most} {unit}"),
+    };
+    format!("{} by a table over {over}, {repeat}", range.trim_end())
 }

@@ -289,8 +289,9 @@ pub enum MeshForm {
 /// A gear pair, a rack or a belt: an ideal joint of one condition on two turning bodies.
 ///
 /// phi = u . d + rho_a theta_a + rho_b theta_b is constant, d the vector from the place of b to that of a [m], u the fixed direction of the line
-/// of action [1], rho the lever arms of its force [m]. The force along u and its moments are those of teeth on one flank, or of the taut strand
-/// of a belt, so that the bearings carry them. Valid while the distance between the centres changes little, as in bearings with clearance.
+/// of action [1], rho the lever arms of its force [m]. The force along u on a, its opposite on b and their moments are those of teeth on the flank
+/// that the sign of the pressure angle names, or of the taut strand of a belt, so that the bearings carry them; a force of the other sign is one
+/// that these cannot transmit. Valid while the distance between the centres changes little, as in bearings with clearance.
 ///
 /// # Source
 /// Norton (2011), Design of Machinery, section 9.
@@ -302,12 +303,14 @@ pub struct Mesh {
     pub radii: [f64; 2],
     /// Angle of the line of action to the common tangent of the pitch circles [rad].
     pub pressure_angle: f64,
-    /// Direction u of the line of action in the global frame `(2,)` [1].
+    /// Direction u of the line of action in the global frame, that of the force on a `(2,)` [1].
     pub direction: [f64; 2],
     /// Lever arms rho of the force on a and on b, counter-clockwise positive `(2,)` [m].
     pub arms: [f64; 2],
     /// Value of phi that the joint keeps [m].
     pub value: f64,
+    /// Distance by which the pitch lines miss each other, below zero where they overlap; of a belt the overlap of its pulleys [m].
+    pub gap: f64,
 }
 
 /// An isotropic elastic material.

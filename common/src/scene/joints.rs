@@ -1,20 +1,17 @@
 //! Reads joints: ideal ones between two places, and those with clearance between journal and bushing.
 //!
-//! Reads ideal joints of one condition: gear pairs, racks, belts, linear drives, cams. The line of action and the phase of what meshes are those
-//! of the start positions and angles.
+//! Linear drives and cams are read here, gear pairs, racks and belts in `meshes`.
 
 use super::body_row::{BodyRow, place};
 use super::clearance::{FRICTION, MaterialRow, clearance, guide};
 use super::context::Range;
 use super::faults::FaultKind;
-use super::joint::{IdealFriction, Joint, JointKind, Mesh, MeshForm};
-use super::model::Motion;
-use super::monotone::monotone_value;
+use super::joint::{IdealFriction, Joint, JointKind, MeshForm};
+use super::meshes::{line_of_action, mesh};
 use super::quantity::{ANGLE, LENGTH, NUMBER, SPEED};
 use super::section::{Section, record};
 use super::tables::{curve, over_time};
 use super::values::{Attachment, Curve, Drive, Over};
-use std::f64::consts::FRAC_PI_2;
 
 /// Table of the keys of all joints with clearance that do not have their own.
 const DEFAULTS: &str = "joint_defaults";
@@ -36,52 +33,58 @@ pub(super) fn joints(file: &mut Section, bodies: &[BodyRow], materials: &[Materi
     if let Some(value) = given.filter(|value| !value.is_table()) {
         file.wrong_type(DEFAULTS, value, "a table of keys of joints with clearance");
     }
-    let mut known: Vec<&'static str> = Vec::new();
+    let mut known: Option<Vec<&'static str>> = None;
     for (name, mut row) in file.rows("joints") {
-        if row.peek("type").and_then(toml::Value::as_str) == Some("clearance") {
+        let has_clearance = row.peek("type").and_then(toml::Value::as_str) == Some("clearance");
+        if has_clearance {
             row.defaults = defaults;
         }
         let (unworn, joint) = joint(&mut row, name, bodies, materials);
         row.finish();
-        if defaults.is_some() {
-            known.extend(&row.known);
+        if has_clearance {
+            let shared = row.known.iter().filter(|key| !OF_ONE.contains(key));
+            known.get_or_insert_default().extend(shared);
         }
         joints.push(JointRow { name: name.to_owned(), unworn, joint });
     }
-    for key in defaults.into_iter().flat_map(toml::Table::keys).filter(|key| !known.contains(&key.as_str())) {
-        file.fault(&format!("{DEFAULTS}.{key}"), FaultKind::unknown_key(key, known.iter().copied()));
-    }
+    check_defaults(file, defaults, known.as_deref());
     if joints.is_empty() {
         file.missing("joints", "at least one joint, [[joints]]");
     }
-    moving_centres(file, &joints, bodies);
+    lines_of_action(file, &mut joints, bodies);
     joints
 }
 
-/// Records the wheels of gear pairs, racks and belts whose bearings are on a body that moves.
-fn moving_centres(file: &mut Section, joints: &[JointRow], bodies: &[BodyRow]) {
-    let read = || joints.iter().filter_map(|row| row.joint.as_ref());
-    for joint in read() {
-        let JointKind::Mesh(mesh) = &joint.kind else { continue };
-        let wheels =
-            [&joint.journal, &joint.bushing].into_iter().skip(usize::from(mesh.form == MeshForm::Rack));
-        let bearings = wheels.flat_map(|wheel| {
-            let hinges =
-                read().filter(|other| matches!(other.kind, JointKind::Revolute | JointKind::Clearance(_)));
-            hinges.filter_map(move |hinge| match [&hinge.journal, &hinge.bushing] {
-                [own, other] if own == wheel => Some(other),
-                [other, own] if own == wheel => Some(other),
-                _ => None,
-            })
-        });
-        let moves = |place: &&Attachment| !matches!(bodies[place.body].motion, None | Some(Motion::Fixed));
-        if let Some(place) = bearings.into_iter().find(moves) {
-            let what = format!(
-                "the bearing of a wheel is on body \"{}\", which moves: the line of action is fixed, so both wheels turn on a fixed body",
-                bodies[place.body].name
-            );
-            file.fault(&format!("joints.{}", joint.name), FaultKind::Inconsistent(what));
+/// Sets the lines of action of gear pairs, racks and belts, and records those that cannot be.
+fn lines_of_action(file: &mut Section, joints: &mut [JointRow], bodies: &[BodyRow]) {
+    let read = joints.iter().filter_map(|row| row.joint.as_ref());
+    let hinges = read.filter(|joint| matches!(joint.kind, JointKind::Revolute | JointKind::Clearance(_)));
+    let hinges: Vec<[Attachment; 2]> = hinges.map(|hinge| [hinge.journal, hinge.bushing]).collect();
+    for row in joints {
+        let Some(Joint { kind: JointKind::Mesh(mesh), journal, bushing, .. }) = &mut row.joint else {
+            continue;
+        };
+        match line_of_action(mesh, [journal, bushing], &hinges, bodies) {
+            Ok(found) => *mesh = found.unwrap_or_else(|| mesh.clone()),
+            Err(what) => drop(file.fault(&format!("joints.{}", row.name), FaultKind::Inconsistent(what))),
         }
+    }
+}
+
+/// Keys that every joint has for itself.
+const OF_ONE: [&str; 4] = ["name", "type", "journal", "bushing"];
+
+/// Records the defaults that have no effect: `known` are the keys of the joints that have them, if there are any.
+fn check_defaults(file: &mut Section, defaults: Option<&toml::Table>, known: Option<&[&'static str]>) {
+    match (defaults, known) {
+        (Some(defaults), Some(known)) => {
+            for key in defaults.keys().filter(|key| !known.contains(&key.as_str())) {
+                let unknown = FaultKind::unknown_key(key, known.iter().copied());
+                file.fault(&format!("{DEFAULTS}.{key}"), unknown);
+            }
+        }
+        (Some(_), None) => drop(file.inconsistent(DEFAULTS, "no joint has type = \"clearance\"")),
+        (None, _) => {}
     }
 }
 
@@ -108,10 +111,10 @@ fn joint(
         }
         "slot" => angle("axis").map(|axis| JointKind::Slot { axis }),
         "linear-drive" => linear_drive(row).map(JointKind::LinearDrive),
-        "gear" => mesh(row, MeshForm::Gear, bodies, places),
-        "internal-gear" => mesh(row, MeshForm::InternalGear, bodies, places),
-        "belt" => mesh(row, MeshForm::Belt, bodies, places),
-        "rack" => mesh(row, MeshForm::Rack, bodies, places),
+        "gear" => mesh(row, MeshForm::Gear),
+        "internal-gear" => mesh(row, MeshForm::InternalGear),
+        "belt" => mesh(row, MeshForm::Belt),
+        "rack" => mesh(row, MeshForm::Rack),
         _ => cam(row, bodies, places),
     };
     let friction = size.map_or(Some(None), |size| friction(row, size));
@@ -188,99 +191,8 @@ pub(super) fn chosen_joints(row: &mut Section, joints: &[JointRow]) -> Option<Ve
     found.into_iter().collect::<Option<Vec<_>>>().filter(|chosen| !chosen.is_empty())
 }
 
-/// Largest pressure angle [rad].
-const LARGEST_PRESSURE_ANGLE: f64 = 0.8;
-
-/// Places of a joint: body and point of a, then of b.
-type Places = [Attachment; 2];
-
-/// Position of the reference point [m] and angle [rad] of a body at the start.
-fn start(body: &BodyRow) -> Option<([f64; 2], f64)> {
-    Some(match body.motion.as_ref()? {
-        Motion::Fixed => ([0.0; 2], 0.0),
-        Motion::Driven { position, drive: Drive::Angle(table), .. } => {
-            (*position, monotone_value(table, 0.0))
-        }
-        Motion::Driven {
-            position,
-            drive: Drive::ConstantSpeed { start_angle, .. } | Drive::Speed { start_angle, .. },
-            ..
-        }
-        | Motion::Free { start_position: position, start_angle, .. } => (*position, *start_angle),
-    })
-}
-
-/// Vector from the place of b to that of a at the start [m], and both angles [rad].
-fn start_of(bodies: &[BodyRow], places: &Places) -> Option<([f64; 2], [f64; 2])> {
-    let [a, b] = places.map(|at| {
-        let ([x, y], angle) = start(&bodies[at.body])?;
-        let (sin, cos) = angle.sin_cos();
-        let [px, py] = at.position;
-        Some(([x + cos * px - sin * py, y + sin * px + cos * py], angle))
-    });
-    let ((a, of_a), (b, of_b)) = (a?, b?);
-    Some(([a[0] - b[0], a[1] - b[1]], [of_a, of_b]))
-}
-
-/// Reads the keys of a gear pair, a belt or a rack.
-pub(super) fn mesh(
-    row: &mut Section,
-    form: MeshForm,
-    bodies: &[BodyRow],
-    places: Option<Places>,
-) -> Option<JointKind> {
-    let radius = |row: &mut Section, key| row.quantity(key, LENGTH, Range::Positive);
-    let is_rack = form == MeshForm::Rack;
-    let radii = match is_rack {
-        true => radius(row, "radius").map(|radius| [0.0, radius]),
-        false => Option::zip(radius(row, "radius_a"), radius(row, "radius_b")).map(<[f64; 2]>::from),
-    };
-    let axis = if is_rack { row.quantity_or("axis", ANGLE, Range::Any, 0.0) } else { Some(0.0) };
-    let pressure = match form {
-        MeshForm::Belt => Some(0.0),
-        _ => row.quantity_or("pressure_angle", ANGLE, Range::Any, 20f64.to_radians()),
-    };
-    let (radii, axis, pressure) = (radii?, axis?, pressure?);
-    if pressure.abs() > LARGEST_PRESSURE_ANGLE {
-        let found = format!("{:.1} deg", pressure.to_degrees());
-        return row.out_of_range("pressure_angle", found, "-45 deg to 45 deg").and(None);
-    }
-    let (d, angles) = start_of(bodies, &places?)?;
-    let [of_a, of_b] = radii;
-    let distance = d[0].hypot(d[1]);
-    if form == MeshForm::InternalGear && of_a == of_b {
-        let message = "radius_a and radius_b are equal: one wheel does not fit into the other";
-        return row.inconsistent_table(message).and(None);
-    }
-    if distance == 0.0 && !is_rack {
-        return row.inconsistent_table("the centres of a and b coincide at the start").and(None);
-    }
-    // Direction of the line from a to b, and of the motion of the rack.
-    let centres = (-d[1]).atan2(-d[0]);
-    let along = |angle: f64| [angle.cos(), angle.sin()];
-    let (direction, arms) = match form {
-        MeshForm::Gear => (centres + FRAC_PI_2 - pressure, [of_a, of_b]),
-        MeshForm::InternalGear => {
-            let side = if of_a > of_b { 1.0 } else { -1.0 };
-            (centres + FRAC_PI_2 - pressure, [side * of_a, -side * of_b])
-        }
-        MeshForm::Belt => {
-            let slope = ((of_a - of_b) / distance).clamp(-1.0, 1.0).asin();
-            (centres - slope, [-of_a, of_b])
-        }
-        MeshForm::Rack => {
-            let [x, y] = along(axis);
-            let is_left = x * d[1] - y * d[0] > 0.0;
-            (axis + pressure, [0.0, if is_left { of_b } else { -of_b }])
-        }
-    };
-    let (direction, arms) = (along(direction), arms.map(|arm| arm * pressure.cos()));
-    let value = direction[0] * d[0] + direction[1] * d[1] + arms[0] * angles[0] + arms[1] * angles[1];
-    Some(JointKind::Mesh(Mesh { form, radii, pressure_angle: pressure, direction, arms, value }))
-}
-
 /// Reads the distance of the places of a linear drive: by a table over time, or at a constant speed.
-pub(super) fn linear_drive(row: &mut Section) -> Option<Drive> {
+fn linear_drive(row: &mut Section) -> Option<Drive> {
     let speed = row.get("speed").is_some();
     if row.get("length").is_some_and(toml::Value::is_table) {
         if speed {
@@ -301,7 +213,7 @@ pub(super) fn linear_drive(row: &mut Section) -> Option<Drive> {
 }
 
 /// Reads the axis and the lift of a cam: the distance of the place of the follower from that of the cam along the axis.
-pub(super) fn cam(row: &mut Section, bodies: &[BodyRow], places: Option<Places>) -> Option<JointKind> {
+fn cam(row: &mut Section, bodies: &[BodyRow], places: Option<[Attachment; 2]>) -> Option<JointKind> {
     let axis = row.quantity_or("axis", ANGLE, Range::Any, 0.0);
     let lift = curve(row, "lift", LENGTH, bodies);
     let (axis, Curve { over, table }, [_, cam]) = (axis?, lift?, places?);

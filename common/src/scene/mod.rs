@@ -40,6 +40,7 @@ mod layers;
 mod life;
 mod load;
 mod location;
+mod meshes;
 pub mod model;
 #[cfg(test)]
 mod model_tests;

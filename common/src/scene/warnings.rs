@@ -5,10 +5,11 @@
 //!
 //! The bounds leave out what any material or machine can have; a value beyond them is wrong by a factor of ten at least.
 
-use super::joint::{Clearance, GuideClearance, Joint, JointKind, Material};
+use super::joint::{Clearance, GuideClearance, Joint, JointKind, Material, Mesh, MeshForm};
 use super::load::Load;
 use super::model::{Body, Motion, Scene};
 use super::monotone::monotone_integral;
+use super::output::OutputKind;
 use super::values::{Curve, Drive, Over};
 use serde::Serialize;
 use std::f64::consts::PI;
@@ -36,16 +37,21 @@ impl fmt::Display for Warning {
     }
 }
 
-/// The warnings about a scene: bodies that nothing holds, loads of fixed bodies, and loads that are seen in one cycle only, while cycles
+/// The warnings about a scene: bodies that nothing holds, loads of bodies whose motion is given, and loads that are seen in one cycle only, while cycles
 /// follow each other.
 pub(super) fn warnings(scene: &Scene) -> Vec<Warning> {
     [loose_bodies(scene), idle_loads(scene), single_loads(scene)].concat()
 }
 
 fn idle_loads(scene: &Scene) -> Vec<Warning> {
-    let is_fixed = |body: usize| scene.bodies[body].motion == Motion::Fixed;
-    let idle = scene.loads.iter().filter(|load| load.bodies().into_iter().all(is_fixed));
-    let message = "acts on fixed bodies only: it has no effect";
+    let is_free = |body: &usize| matches!(scene.bodies[*body].motion, Motion::Free { .. });
+    let is_seen = |body: &usize| {
+        let shows = |kind: &OutputKind| matches!(kind, OutputKind::DrivingTorque { body: of } if of == body);
+        scene.outputs.iter().any(|output| shows(&output.kind))
+    };
+    let has_effect = |load: &&Load| load.bodies().iter().any(|body| is_free(body) || is_seen(body));
+    let message = "acts on fixed and driven bodies only, whose motion is given: without the output driving-torque it has no effect";
+    let idle = scene.loads.iter().filter(|load| !has_effect(load));
     idle.map(|load| Warning::new(format!("loads.{}", load.name()), message)).collect()
 }
 
@@ -113,6 +119,7 @@ pub(super) fn magnitudes(scene: &Scene) -> Vec<Warning> {
             JointKind::Guide(GuideClearance { wear: Some(wear), .. }) => {
                 of_wear(wear.coefficient, "slider_wear_coefficient", wear.slider_coefficient, warn);
             }
+            JointKind::Mesh(mesh) => of_mesh(mesh, warn),
             _ => {}
         }
     }
@@ -177,6 +184,24 @@ fn size(scene: &Scene, k: usize, body: &Body, [a, b]: [f64; 2]) -> Option<f64> {
     (size > 0.0).then_some(size)
 }
 
+/// Share of the larger pitch radius by which pitch lines may miss each other: the teeth of shifted profiles.
+const LARGEST_GAP: f64 = 0.01;
+
+fn of_mesh(mesh: &Mesh, warn: &mut Warn) {
+    let [a, b] = mesh.radii;
+    let gap = mesh.gap / a.max(b);
+    if gap.abs() <= LARGEST_GAP {
+        return;
+    }
+    let key = if mesh.form == MeshForm::Rack { "radius" } else { "radius_a" };
+    let (what, millimetres) = (if gap > 0.0 { "miss" } else { "overlap" }, 1e3 * mesh.gap.abs());
+    let lines = if mesh.form == MeshForm::Belt { "pulleys" } else { "pitch lines" };
+    let message = format!(
+        "with these radii the {lines} of both sides {what} each other by {millimetres:.4} mm at the start: check radii, places and units"
+    );
+    warn(key, message);
+}
+
 fn of_hinge(clearance: &Clearance, warn: &mut Warn) {
     let share = clearance.radial_clearance() / clearance.journal_radius;
     if share > LARGEST_CLEARANCE {
@@ -229,6 +254,12 @@ mod tests {
         assert_eq!(keys(&with_it), ["bodies.loose"]);
         let on_frame = four_bar.text().replace("body = \"rocker\"\ntorque", "body = \"frame\"\ntorque");
         assert_eq!(keys(&SceneSource::parse(&on_frame, "idle").expect("valid")), ["loads.work"]);
+        // A driven body shows its loads by its torque alone.
+        let on_crank = on_frame.replace("body = \"frame\"\ntorque", "body = \"crank\"\ntorque");
+        let shown = "\n[[outputs]]\nname = \"shown\"\ntype = \"driving-torque\"\nbody = \"crank\"\n";
+        for (text, expected) in [(on_crank.clone(), vec!["loads.work"]), (on_crank + shown, vec![])] {
+            assert_eq!(keys(&SceneSource::parse(&text, "idle").expect("valid")), expected);
+        }
         assert!(keys(&four_bar).is_empty());
     }
 

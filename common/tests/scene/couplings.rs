@@ -18,10 +18,10 @@ fn joints_of_one_condition_and_stops() {
     let (pair, ring, strap) = (mesh("pair"), mesh("ring"), mesh("strap"));
     let cos = (-PI / 7.2).cos();
     same(&pair.arms, &[0.015 * cos, 0.005 * cos]);
-    same(&ring.arms, &[-0.015 * (PI / 9.0).cos(), 0.025 * (PI / 9.0).cos()]);
+    same(&ring.arms, &[-0.015 * (PI / 9.0).cos(), 0.035 * (PI / 9.0).cos()]);
     same(&strap.arms, &[-0.005, 0.01]);
-    // The slider lies below the axis of the rack, which is turned by 15 deg: its wheel moves it along the axis.
-    same(&mesh("toothed_rod").arms, &[0.0, -0.012 * (PI / 9.0).cos()]);
+    // The slider lies below the axis of the rack, which is turned by 15 deg: it turns its wheel counter-clockwise against the axis.
+    same(&mesh("toothed_rod").arms, &[0.0, 0.01035 * (PI / 9.0).cos()]);
     let JointKind::Cam { direction, lift } = &joint(&scene, "follower").kind else { panic!() };
     assert!(direction[0].abs() < 1e-15 && direction[1] == -1.0);
     same_table(lift, &[0.0, PI / 1.5, TAU], &[0.02, 0.025, 0.02], true);
@@ -53,6 +53,33 @@ fn joints_have_the_defaults_of_their_scene() {
     let wrong = geared.replace("[joint_defaults]", "[joint_defaults]\nwidht = \"2 mm\"");
     let faults = SceneSource::parse(&wrong, "geared-cam").unwrap_err().to_string();
     assert!(faults.contains("joint_defaults.widht"), "{faults}");
+    for (from, to, key) in [
+        (
+            "[joint_defaults]",
+            "[joint_defaults]\nguide_length = \"9 mm\"",
+            "joint_defaults.guide_length: unknown key",
+        ),
+        ("[joint_defaults]", "[joint_defaults]\nname = \"pin\"", "joint_defaults.name: unknown key"),
+        (
+            "\"clearance\"\njournal = { body = \"camshaft\", point = \"centre\" }\nbushing",
+            "\"revolute\"\na = { body = \"camshaft\", point = \"centre\" }\nb",
+            "joint_defaults: no joint has type = \"clearance\"",
+        ),
+        (
+            "\"gear\"\na = { body = \"pinion\", point = \"centre\" }\nb = { body = \"camshaft\", point = \"centre\" }\nradius_a = \"25 mm\"",
+            "\"belt\"\na = { body = \"pinion\", point = \"centre\" }\nb = { body = \"camshaft\", point = \"centre\" }\nradius_a = \"125 mm\"",
+            "joints.teeth: one pulley lies within the other",
+        ),
+    ] {
+        assert!(geared.contains(from), "{from}");
+        let faults = SceneSource::parse(&geared.replace(from, to), "geared-cam").unwrap_err().to_string();
+        assert!(faults.contains(key), "{to}: {faults}");
+    }
+    let warnings = |text: &str| SceneSource::parse(text, "geared-cam").unwrap().warnings();
+    assert_eq!(warnings(geared), []);
+    let [warning] = &warnings(&geared.replace("\"50 mm\"", "\"60 mm\""))[..] else { panic!("one warning") };
+    assert_eq!(warning.key, "joints.teeth.radius_a");
+    assert!(warning.message.contains("overlap each other by 10.0000 mm"), "{warning}");
     let planet = geared.replace(
         "bushing = { body = \"frame\", point = \"shaft\" }",
         "bushing = { body = \"follower\", point = \"foot\" }",

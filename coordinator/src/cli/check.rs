@@ -93,7 +93,7 @@ fn run(arguments: &CheckArguments, verbosity: Verbosity) -> Done {
     let CheckArguments { scene, draw, quick, accuracy, contact } = arguments;
     let file = scene.name.get();
     let at_once = |text: &str| if verbosity.json { Ok(()) } else { print(text) };
-    let source = valid_scene(scene)?;
+    let (source, of_start) = valid_scene(scene)?;
     let scene = source.nominal();
     at_once(&format!("{file}: valid; {}\n", counts(scene)))?;
     let is_mechanism = scene.simulator.is_none();
@@ -122,7 +122,8 @@ fn run(arguments: &CheckArguments, verbosity: Verbosity) -> Done {
         }
     }
     let unused = &source.unused_parameters;
-    let found = findings(&source, evaluation.as_ref());
+    let mut found = findings(&source, evaluation.as_ref());
+    found.warnings.extend(of_start);
     if verbosity.json {
         let warnings = found.warnings.iter().map(|Warning { key, message }| {
             let place = source.location(key);
@@ -161,16 +162,17 @@ fn run(arguments: &CheckArguments, verbosity: Verbosity) -> Done {
     print(&text)
 }
 
-/// The scene, if its text is valid and what it describes can be simulated.
-fn valid_scene(scene: &SceneArguments) -> Done<SceneSource> {
+/// The scene with cautions about its start, if its text is valid and what it describes can be simulated.
+fn valid_scene(scene: &SceneArguments) -> Done<(SceneSource, Vec<Warning>)> {
     let source = scene.load()?;
-    match &source.nominal().simulator {
+    let of_start = match &source.nominal().simulator {
         None => check_linkage(source.origin(), &source, source.nominal())?,
         Some(simulator) => {
-            common::external::check(simulator, source.nominal()).map_err(CommandError::bad_input)?
+            common::external::check(simulator, source.nominal()).map_err(CommandError::bad_input)?;
+            vec![]
         }
-    }
-    Ok(source)
+    };
+    Ok((source, of_start))
 }
 
 fn counts(scene: &Scene) -> String {

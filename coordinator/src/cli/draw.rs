@@ -1,6 +1,7 @@
 //! `coordinator draw`: the mechanism of a scene as a drawing, before anything is simulated.
 
 use super::output::{check_destination, file_of, unusable};
+use super::scenes::warn_of;
 use super::{CommandError, Done, SceneArguments, check_linkage, print, to_json, value};
 use clap::Args;
 use common::scene::{Body, Motion, Scene, SceneSource};
@@ -51,7 +52,7 @@ pub fn draw(arguments: &DrawArguments, as_json: bool) -> Done {
     let scene = source.nominal();
     let out = arguments.out.as_deref().map(|out| file_of(out, &format!("{}.svg", scene.name))).transpose()?;
     check_picture(out.as_deref())?;
-    check_linkage(source.origin(), &source, scene)?;
+    warn_of(&check_linkage(source.origin(), &source, scene)?);
     let (drawn, loads) = drawn(source.origin(), scene, arguments.phase)?;
     let written = out.as_ref().map(|file| write_figures(scene, &drawn, loads.as_ref(), file));
     let files = written.transpose()?.unwrap_or_default();

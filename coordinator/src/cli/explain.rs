@@ -5,7 +5,9 @@ use super::measured::MeasuredFinding;
 use super::model::Model;
 use super::nominal::{findings, nominal_evaluation};
 use super::shared::cores;
-use super::{AccuracyArguments, CommandError, Done, SceneArguments, Verbosity, count, print, to_json};
+use super::{
+    AccuracyArguments, CommandError, Done, SceneArguments, Verbosity, check_linkage, count, print, to_json,
+};
 use common::random::Correlation;
 use common::scene::*;
 use coordinator::presentation::report::format::{seven_digits, unit_scale};
@@ -45,6 +47,8 @@ pub fn explain(
     let evaluate = |say: &dyn Fn(String)| nominal_evaluation(scene, given, say);
     let evaluated = if quick { Ok(None) } else { while_waiting(verbosity.quiet, doing, evaluate) };
     let mut found = findings(&source, evaluated.as_ref().ok().and_then(Option::as_ref));
+    // A mechanism that cannot be assembled is described, too.
+    found.warnings.extend(check_linkage(source.origin(), &source, scene).unwrap_or_default());
     if let Err(failure) = &evaluated {
         let message = format!("the nominal mechanism cannot be simulated: {failure}");
         found.warnings.push(Warning { key: "scene".to_owned(), message });

@@ -7,6 +7,7 @@ use super::external;
 use super::farm::local_slots;
 use super::monitor::Monitor;
 use super::results::{at_confidence, write_results};
+use super::scenes::warn_of;
 use super::shared::cores;
 use super::signals::interruption;
 use super::stored_study::{END_DOCUMENT, design_keys};
@@ -57,7 +58,7 @@ pub fn run(scene: &str, arguments: &RunArguments, verbosity: Verbosity) -> Done 
     if scene.simulator.is_some() {
         external::check_accuracy(source.origin(), &arguments.accuracy)?;
     } else {
-        check_linkage(source.origin(), &source, scene)?;
+        warn_of(&check_linkage(source.origin(), &source, scene)?);
     }
     if let Some(confidence) = arguments.confidence.filter(|_| source.measured.is_empty() || space.is_some()) {
         let fault = "needs a variable with measured samples (samples = [...]), and no --design; `learn` takes what was observed of units";
@@ -172,7 +173,7 @@ fn with_variants(
     confidence: Option<f64>,
     verbosity: Verbosity,
 ) -> Done {
-    let StoredStudy { campaign, .. } = variants::after_study(study, farm, verbosity)?;
+    let StoredStudy { campaign, source, .. } = variants::after_study(study, farm, verbosity)?;
     summary.variants = summary_of(&campaign)?.variants;
     let stated = confidence.map(|confidence| at_confidence(&campaign.dir, confidence)).transpose()?;
     let page = stated.as_ref().map(|(answer, _)| answer.write(&campaign.dir)).transpose()?;
@@ -184,7 +185,7 @@ fn with_variants(
         return print(&to_json(&printed)?);
     }
     let nominal = campaign.evaluation(0)?.and_then(|stored| stored.outcome.ok());
-    let cautions = nominal.map(|nominal| motion_cautions(&nominal.diagnostics)).unwrap_or_default();
+    let cautions = nominal.map(|nominal| motion_cautions(source.nominal(), &nominal)).unwrap_or_default();
     let caution: String = cautions.iter().map(|caution| format!("caution: {}\n", caution.message)).collect();
     let confident =
         stated.zip(page).map(|((answer, _), page)| format!("\n{}\n{}\n", answer.text(), page.display()));

@@ -48,6 +48,7 @@ pub fn simulate(arguments: &SimulateArguments, verbosity: Verbosity) -> Done {
     check_destination(arguments.report.as_deref())?;
     let source = SceneSource::load(arguments.scene.get())?;
     let settings = source.parse_settings(&arguments.set)?;
+    let mut cautioned = Vec::new();
     let (scene, accuracy, evaluation, wall) = if let Some(simulator) = &source.nominal().simulator {
         external::check_accuracy(source.origin(), &arguments.accuracy)?;
         let sample = source.sample_with(&settings)?;
@@ -57,14 +58,21 @@ pub fn simulate(arguments: &SimulateArguments, verbosity: Verbosity) -> Done {
         (scene, accuracy, evaluation, wall)
     } else {
         let scene = source.resolve_with(&settings).map_err(one_of_each_cause)?;
-        check_linkage(source.origin(), &source, &scene)?;
+        cautioned = check_linkage(source.origin(), &source, &scene)?;
         let accuracy = arguments.accuracy.for_one(&scene, verbosity.quiet)?.setting;
         let start = Instant::now();
         let evaluation = simulate::simulate(&scene, &accuracy.accuracy, SimulateOptions::WITH_FIRST_CYCLE)
             .map_err(|failure| CommandError::of_simulation(source.origin(), &scene, failure))?;
         (scene, Some(accuracy.name), evaluation, start.elapsed().as_secs_f64())
     };
-    let simulated = Simulated { scene: &scene, accuracy: accuracy.as_deref(), evaluation: &evaluation, wall };
+    let cautioned = [cautioned, cautions(&scene, &evaluation)].concat();
+    let simulated = Simulated {
+        scene: &scene,
+        accuracy: accuracy.as_deref(),
+        evaluation: &evaluation,
+        cautions: cautioned.into_iter().map(|caution| caution.message).collect(),
+        wall,
+    };
     if let Some(file) = &arguments.report {
         write_text(file, &simulated.report(&arguments.set, source.text()))?;
     }
@@ -73,6 +81,7 @@ pub fn simulate(arguments: &SimulateArguments, verbosity: Verbosity) -> Done {
     if !to_person {
         let mut all = of_outputs(&scene, &settings, &evaluation, wall);
         all.extend(accuracy.iter().flat_map(|accuracy| of_mechanism(&scene, accuracy, &evaluation)));
+        all.insert("cautions".to_owned(), simulated.cautions.as_slice().into());
         deliver(&to_json(&all)?, out.as_deref())?;
     }
     let files: Vec<&Path> = [&out, &arguments.report].into_iter().flatten().map(PathBuf::as_path).collect();
@@ -99,6 +108,8 @@ struct Simulated<'e> {
     pub accuracy: Option<&'e str>,
     /// Result of the simulation.
     pub evaluation: &'e Evaluation,
+    /// What is to be said about it.
+    pub cautions: Vec<String>,
     /// Time that it took [s].
     pub wall: f64,
 }
@@ -124,8 +135,8 @@ impl Simulated<'_> {
                 grouped((*since).into())
             );
         }
-        for caution in cautions(scene, evaluation) {
-            text += &format!("caution: {}\n", caution.message);
+        for caution in &self.cautions {
+            text += &format!("caution: {caution}\n");
         }
         for file in files {
             text += &format!("written: {}\n", file.display());
@@ -187,8 +198,13 @@ mod tests {
         let mut evaluation = Evaluation::from_histories(cycles, vec![depths, vec![44.4; 8]]);
         evaluation.start = vec![Some(0.0), None];
         evaluation.errors = vec![vec![1e-7; 8], vec![0.1; 8]];
-        let simulated =
-            Simulated { scene: &scene, accuracy: Some("draft"), evaluation: &evaluation, wall: 0.25 };
+        let simulated = Simulated {
+            scene: &scene,
+            accuracy: Some("draft"),
+            evaluation: &evaluation,
+            cautions: vec![],
+            wall: 0.25,
+        };
         let text = simulated.text(&[Path::new("one.json")]);
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines[0], "four-bar: 8 000 cycles, accuracy draft, 0 steps in 0.2 s");
@@ -204,8 +220,13 @@ mod tests {
         assert_eq!(lines[4..], ["written: one.json"]);
         evaluation.diagnostics.narrow_grooves =
             vec![NarrowGroove { joint: "crank".into(), since: 4000, angle: 1.0, width: 0.3, open: 1.25e-6 }];
-        let simulated =
-            Simulated { scene: &scene, accuracy: Some("draft"), evaluation: &evaluation, wall: 0.25 };
+        let simulated = Simulated {
+            scene: &scene,
+            accuracy: Some("draft"),
+            evaluation: &evaluation,
+            cautions: vec![],
+            wall: 0.25,
+        };
         let text = simulated.text(&[]);
         let line = "joint crank: a groove at 57.3 deg is narrower than the journal, which stays 1.25 µm above its bottom; \
                     first at 4 000 cycles\n";

@@ -1,5 +1,5 @@
-//! Cautions about the simulated motion of a mechanism: work that no real contact does, an energy balance that does not close, and a motion
-//! that has not settled.
+//! Cautions about the simulated motion of a mechanism: work that no real contact does, an energy balance that does not close, a motion that has
+//! not settled, and forces that a cam, teeth or a belt cannot transmit.
 //!
 //! On a worn bore the elastic force of `local-hertz` has no potential: over a cycle it does the work W [J] beside the work of drives and loads. Where
 //! W is not small against the energy that goes through the mechanism, it maintains a vibration that no real contact would, which changes
@@ -8,45 +8,97 @@
 use super::format::{count, three_digits};
 use crate::results::summary_rows::{ControlPointsRow, control_points_rows};
 use common::outputs::{CycleHistory, Diagnostics, EnergyBalance, Evaluation, UnsettledMotion};
-use common::scene::{Joint, JointKind, Scene, Warning};
+use common::scene::{Joint, JointKind, Mesh, MeshForm, Scene, Warning};
 
 /// Share of the energy of a cycle from which on such work is pointed out [1]: the nominal `flapping-wing` has 0.001.
 const NOTABLE: f64 = 0.01;
 /// Share of all powers over a cycle below which a residual counts as rounding of the balance, whatever goes through [1].
 const NEGLIGIBLE: f64 = 1e-4;
+/// Share of the largest force of all joints below which a force is one of rounding [1].
+const ROUNDING: f64 = 1e-9;
+/// Angle by which a rack may turn in its guides [rad].
+const LARGEST_TURN: f64 = 0.01;
 
-/// All cautions about the simulation of one mechanism, each with the key of the scene that it belongs to: about its motion, about outputs
-/// that depend on the number of control points, and about cams that pull.
+/// All cautions about the simulation of one mechanism, each with the key of the scene that it belongs to: about its motion, and about outputs
+/// that depend on the number of control points.
 pub fn cautions(scene: &Scene, evaluation: &Evaluation) -> Vec<Warning> {
     let of_points = control_points_notes(&control_points_rows(scene, &evaluation.diagnostics)).into_iter();
     let of_points = of_points.map(|message| Warning { key: "joints".to_owned(), message });
-    let of_cams = evaluation.first_cycle.iter().flat_map(|cycle| pulling_cams(scene, cycle));
-    motion_cautions(&evaluation.diagnostics).into_iter().chain(of_points).chain(of_cams).collect()
-}
-
-/// The cams that pull their followers in a cycle, which their contact cannot do.
-fn pulling_cams(scene: &Scene, cycle: &CycleHistory) -> Vec<Warning> {
-    let cams = scene.joints.iter().filter(|joint| matches!(joint.kind, JointKind::Cam { .. }));
-    let pulled = |joint: &Joint| {
-        let force = &cycle.joint_force.iter().find(|(name, _)| *name == joint.name)?.1;
-        let (at, least) = force.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1))?;
-        let largest = force.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
-        let body = &scene.bodies[joint.bushing.body].name;
-        let angle = cycle.motion.iter().find(|motion| motion.body == *body)?.angle.get(at)?;
-        let degrees = angle.to_degrees().rem_euclid(360.0);
-        let message = format!(
-            "the cam pulls its follower with up to {} N, at {degrees:.0} deg of {body}: without a groove on both sides of the follower it lifts off; \
-             give the follower a spring or a slower drive",
-            three_digits(-least)
-        );
-        let message = message.replace('\u{a0}', " ");
-        (-least > NEGLIGIBLE * largest).then(|| Warning { key: format!("joints.{}", joint.name), message })
-    };
-    cams.filter_map(pulled).collect()
+    motion_cautions(scene, evaluation).into_iter().chain(of_points).collect()
 }
 
 /// The cautions about the motion of an evaluation, each with the key of the scene that it belongs to; none if there is nothing to point out.
-pub fn motion_cautions(diagnostics: &Diagnostics) -> Vec<Warning> {
+pub fn motion_cautions(scene: &Scene, evaluation: &Evaluation) -> Vec<Warning> {
+    let of_couplings = evaluation.first_cycle.iter().flat_map(|cycle| of_couplings(scene, cycle));
+    of_diagnostics(&evaluation.diagnostics).into_iter().chain(of_couplings).collect()
+}
+
+/// The cams, gears, racks and belts whose contact cannot transmit a force of a cycle, and the racks that turn.
+fn of_couplings(scene: &Scene, cycle: &CycleHistory) -> Vec<Warning> {
+    let angle_of = |body: usize| {
+        let name = &scene.bodies[body].name;
+        cycle.motion.iter().find(|motion| motion.body == *name).map(|motion| &motion.angle)
+    };
+    let largest = |force: &[f64]| force.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+    let of_all = cycle.joint_force.iter().map(|(_, force)| largest(force)).fold(0.0, f64::max);
+    let pulled = |joint: &Joint| {
+        let (what, remedy) = words_of_pull(joint)?;
+        let force = &cycle.joint_force.iter().find(|(name, _)| *name == joint.name)?.1;
+        let (at, least) = force.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1))?;
+        let body =
+            [joint.bushing.body, joint.journal.body].into_iter().find(|body| angle_of(*body).is_some())?;
+        let degrees = angle_of(body)?.get(at)?.to_degrees().rem_euclid(360.0);
+        let body = &scene.bodies[body].name;
+        let pull = three_digits(-least);
+        let message = format!("{what} with up to {pull} N, at {degrees:.0} deg of {body}: {remedy}");
+        (-least > (NEGLIGIBLE * largest(force)).max(ROUNDING * of_all)).then_some(message)
+    };
+    let turned = |joint: &Joint| {
+        let JointKind::Mesh(Mesh { form: MeshForm::Rack, .. }) = joint.kind else { return None };
+        let angles = angle_of(joint.journal.body)?;
+        let range = |(low, high): (f64, f64), angle: &f64| (low.min(*angle), high.max(*angle));
+        let (low, high) = angles.iter().fold((f64::INFINITY, f64::NEG_INFINITY), range);
+        let turn = high - low;
+        let message = || {
+            let turn = turn.to_degrees();
+            let name = &joint.name;
+            format!(
+                "the rack {name} turns by {turn:.1} deg, but its axis stays that of the start: its body has to keep its angle"
+            )
+        };
+        (turn > LARGEST_TURN).then(message)
+    };
+    let of_joint = |joint: &Joint| {
+        let key = format!("joints.{}", joint.name);
+        let messages = [pulled(joint), turned(joint)].into_iter().flatten();
+        let warning = |message: String| Warning { key: key.clone(), message: message.replace('\u{a0}', " ") };
+        messages.map(warning).collect::<Vec<_>>()
+    };
+    scene.joints.iter().flat_map(of_joint).collect()
+}
+
+/// What a coupling does whose force has the sign that its contact cannot transmit, and what follows; none for other joints, and for teeth whose
+/// two flanks have one line of action.
+fn words_of_pull(Joint { name, kind, .. }: &Joint) -> Option<(String, &'static str)> {
+    match kind {
+        JointKind::Cam { .. } => Some((
+            format!("the cam {name} pulls its follower"),
+            "without a groove on both sides of the follower it lifts off; give the follower a spring or a slower drive",
+        )),
+        JointKind::Mesh(Mesh { form: MeshForm::Belt, .. }) => Some((
+            format!("the strand of {name} on the left of the line from a to b pushes"),
+            "the other one is taut then, and the forces of the bearings have another direction; exchange a and b if it is so all the time",
+        )),
+        JointKind::Mesh(Mesh { pressure_angle, .. }) if *pressure_angle != 0.0 => Some((
+            format!("the teeth of {name} are loaded on the flank that pressure_angle does not name"),
+            "the forces of the bearings have another direction then; give pressure_angle the other sign if it is so all the time",
+        )),
+        _ => None,
+    }
+}
+
+/// The cautions about energy balance and settling of an evaluation, each with its key.
+fn of_diagnostics(diagnostics: &Diagnostics) -> Vec<Warning> {
     let balance = match (&diagnostics.worn_energy, &diagnostics.energy) {
         (Some(worn), _) => Some((worn, "last")),
         (None, first) => first.as_ref().map(|first| (first, "first")),
@@ -137,9 +189,11 @@ fn note(row: &ControlPointsRow) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use common::outputs::BodyMotion;
+    use common::scene::SceneSource;
 
     fn messages(diagnostics: &Diagnostics) -> Vec<String> {
-        motion_cautions(diagnostics).into_iter().map(|caution| caution.message).collect()
+        of_diagnostics(diagnostics).into_iter().map(|caution| caution.message).collect()
     }
 
     #[test]
@@ -196,6 +250,69 @@ mod tests {
             "\"turn of crank\"",
         ] {
             assert!(text.contains(said), "{said}: {text}");
+        }
+    }
+
+    #[test]
+    fn couplings_whose_contact_cannot_transmit_their_force_are_named() {
+        let text = include_str!("../../../common/tests/scenes/geared-cam.toml");
+        let belt = text.replace("type = \"gear\"", "type = \"belt\"").replace("\"25 mm\"", "\"10 mm\"");
+        let rack = text.replace(
+            "type = \"gear\"\na = { body = \"pinion\", point = \"centre\" }",
+            "type = \"rack\"\na = { body = \"follower\", point = \"foot\" }",
+        );
+        let rack = rack.replace("radius_a = \"25 mm\"\nradius_b", "radius");
+        let said = |text: &str, teeth: [f64; 3], lift: [f64; 3], turn: f64| -> Vec<String> {
+            let source = SceneSource::parse(text, "coupled").unwrap_or_else(|faults| panic!("{faults}"));
+            let motion = |body: &str, angles: [f64; 3]| BodyMotion {
+                body: body.into(),
+                angle: angles.into(),
+                ..BodyMotion::default()
+            };
+            let cycle = CycleHistory {
+                joint_force: vec![
+                    ("teeth".into(), teeth.into()),
+                    ("lift".into(), lift.into()),
+                    ("bearing".into(), vec![1e6; 3]),
+                ],
+                motion: vec![motion("camshaft", [0.0, -0.5, -1.0]), motion("follower", [0.0, turn, 0.0])],
+                ..CycleHistory::default()
+            };
+            let evaluation =
+                Evaluation { first_cycle: Some(cycle), ..Evaluation::from_histories(vec![], vec![]) };
+            motion_cautions(source.nominal(), &evaluation)
+                .into_iter()
+                .map(|caution| caution.message)
+                .collect()
+        };
+        let (pushes, rounding) = ([5.0, 9.0, 2.0], [-1e-7, -9e-4, 2e-4]);
+        assert!(said(text, pushes, rounding, 1.0).is_empty());
+        for (text, teeth, lift, turn, words) in [
+            (
+                text,
+                pushes,
+                [3.0, -2.0, 5.0],
+                0.0,
+                "the cam lift pulls its follower with up to 2.00 N, at 331 deg of camshaft",
+            ),
+            (
+                text,
+                [5.0, -4.0, 2.0],
+                pushes,
+                0.0,
+                "the teeth of teeth are loaded on the flank that pressure_angle does not name with up to 4.00 N",
+            ),
+            (
+                &belt,
+                [5.0, -4.0, 2.0],
+                pushes,
+                0.0,
+                "the strand of teeth on the left of the line from a to b pushes with up to 4.00 N",
+            ),
+            (&rack, pushes, pushes, 0.1, "the rack teeth turns by 5.7 deg"),
+        ] {
+            let found = said(text, teeth, lift, turn);
+            assert!(found.len() == 1 && found[0].starts_with(words), "{words}: {found:?}");
         }
     }
 

@@ -137,14 +137,14 @@ impl Constraint {
     }
 
     /// Size of the force the joint transmits, for multipliers `lambda` of its rows and the `friction` along a prismatic joint [N]. A
-    /// prismatic joint's moment is not part of it, nor the moment of friction on a pin. That of a cam is negative where it pulls its follower.
+    /// prismatic joint's moment is not part of it, nor the moment of friction on a pin. That of a cam, of teeth and of a belt is negative where
+    /// their contact cannot transmit it.
     pub(crate) fn force(&self, lambda: &[f64], friction: f64) -> f64 {
         match self.kind {
             Kind::Prismatic => libm::hypot(lambda[0], friction),
             Kind::Distance => (lambda[0] * self.input[0] * self.angle).abs(),
-            // A gear, a rack and a belt have lever arms; these transmit the force of either sign.
-            Kind::Mesh if self.arms == [0.0; 2] => -lambda[0],
-            Kind::Slot | Kind::Mesh => lambda[0].abs(),
+            Kind::Mesh => -lambda[0],
+            Kind::Slot => lambda[0].abs(),
             Kind::Revolute | Kind::Fixed => libm::hypot(lambda[0], lambda[1]),
         }
     }

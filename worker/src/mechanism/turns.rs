@@ -3,6 +3,7 @@
 //!
 //!   turns = round((angle(T) - angle(0)) / 2 pi), T the period of the cycle [s].
 
+use super::coupling::JointInput;
 use super::{Pose, Prescribed};
 use common::failure::SimulationFailure;
 use common::scene::{JointKind, Load, OutputKind, Scene};
@@ -13,26 +14,48 @@ use std::f64::consts::TAU;
 ///
 /// # Errors
 /// [`SimulationFailure::NotModelled`] if cycle follows cycle and a torsion spring or the difference of two angles would differ from
-/// one to the next by whole turns, or by turns that the drives leave open.
+/// one to the next by whole turns, or by turns that the drives leave open, if wheels make no whole turns, and if a lift does not end as it
+/// begins.
 pub fn turns_per_cycle(scene: &Scene, poses: &[Pose]) -> Result<Vec<f64>, SimulationFailure> {
     let period = scene.life.period;
     let (first, last) = (&poses[0], &poses[poses.len() - 1]);
-    let of_body = |body: usize| -> Option<f64> {
-        let angles = match Prescribed::from_body(&scene.bodies[body]) {
-            Some(given) => [given.angle(0.0), given.angle(period)],
-            None if poses.len() > 1 => [first, last].map(|pose| pose.q[body].map_or(0.0, |q| q[2])),
-            None => return None,
-        };
-        Some(((angles[1] - angles[0]) / TAU).round())
+    let angles = |body: usize| match Prescribed::from_body(&scene.bodies[body]) {
+        Some(given) => Some([given.angle(0.0), given.angle(period)]),
+        None => (poses.len() > 1).then(|| [first, last].map(|pose| pose.q[body].map_or(0.0, |q| q[2]))),
     };
+    let of_body = |body: usize| angles(body).map(|angles| ((angles[1] - angles[0]) / TAU).round());
     let turns: Vec<Option<f64>> = (0..scene.bodies.len()).map(of_body).collect();
     if !scene.life.is_single_cycle() {
         check_differences(scene, &turns)?;
+        check_lifts(scene, angles)?;
         if poses.len() > 1 {
             check_wheels(scene, poses)?;
         }
     }
     Ok(turns.into_iter().map(Option::unwrap_or_default).collect())
+}
+
+/// Change of a lift from one cycle to the next up to which it is rounding, over the lift itself [1].
+const SAME_LIFT: f64 = 1e-6;
+
+/// Checks that the lift at the end of a cycle, at `angles` at both ends of it [rad], is that at which the next one begins.
+fn check_lifts(scene: &Scene, angles: impl Fn(usize) -> Option<[f64; 2]>) -> Result<(), SimulationFailure> {
+    for joint in &scene.joints {
+        let JointKind::Cam { lift, .. } = &joint.kind else { continue };
+        let cam = joint.bushing.body;
+        let (Some(ends), Some(input)) = (angles(cam), JointInput::new(&joint.kind)) else { continue };
+        let [begins, ends] = ends.map(|angle| input.jet(0.0, angle)[0]);
+        if !lift.repeat && (ends - begins).abs() > SAME_LIFT * begins.abs().max(ends.abs()) {
+            return Err(SimulationFailure::NotModelled {
+                what: format!(
+                    "cycles that begin with a lift of {begins:.6} m of the joint {} and end with {ends:.6} m, so that its follower would jump: write \
+                     a lift that repeats, or see it once with cycles = 1, checkpoint_every = 1, settle_cycles = 0",
+                    joint.name
+                ),
+            });
+        }
+    }
+    Ok(())
 }
 
 /// Turns of a wheel in a cycle up to which it counts as whole [1]: six digits of a radius.

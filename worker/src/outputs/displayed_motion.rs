@@ -90,13 +90,13 @@ impl DisplayedMotion {
     fn add_step(&mut self) {
         let (from, to) = (&self.before, &self.last);
         let half = 0.5 * (to.time - from.time);
-        let [input, lost, unphysical] = [1, 2, 3].map(|k| half * (from.powers[k] + to.powers[k]));
+        let [input, lost, unphysical, gross] = [1, 2, 3, 4].map(|k| half * (from.powers[k] + to.powers[k]));
         let stored = to.powers[0] - from.powers[0];
         self.balance.input += input;
         self.balance.dissipated += lost;
         self.balance.unphysical += unphysical;
         self.balance.stored += stored;
-        self.balance.turnover += input.abs() + lost.abs() + unphysical.abs() + stored.abs();
+        self.balance.turnover += gross + lost.abs() + unphysical.abs() + stored.abs();
     }
 
     /// Adds the displayed times after the last state, which rounding alone can leave.
@@ -159,8 +159,8 @@ fn column(rows: &[f64], k: usize, n: usize) -> impl Iterator<Item = f64> {
 }
 
 /// At one instant the energy of an island, kinetic and of springs, gravity and contacts [J], and the powers of drives and of loads without
-/// potential, lost, and of elastic contact forces that no potential accounts for [W].
-type Powers = [f64; 4];
+/// potential, lost, and of elastic contact forces that no potential accounts for, and the sum of the sizes of the powers of drives and loads [W].
+type Powers = [f64; 5];
 
 /// Sum of the balances of several islands.
 pub(crate) fn sum_of_islands(balances: impl Iterator<Item = EnergyBalance>) -> EnergyBalance {
@@ -222,7 +222,8 @@ impl FullRecording {
 fn powers(island: &Island, t: f64, v: &[f64], at: &Linearised) -> Powers {
     let [mut stored, mut lost, driving] = island.load_power(t, v);
     let drives: f64 = at.prescribed.iter().zip(&island.jets).map(|(f, jet)| -f[2] * jet[1]).sum();
-    let input = drives + island.ideal.driving_power(&at.lambda) + driving;
+    let strokes = island.ideal.driving_power(&at.lambda);
+    let (input, gross) = (drives + strokes + driving, drives.abs() + strokes.abs() + driving.abs());
     let mut unphysical = 0.0;
     lost += at.friction.iter().map(|[force, speed]| force * speed).sum::<f64>();
     for (k, force) in at.joints.iter().enumerate() {
@@ -236,7 +237,7 @@ fn powers(island: &Island, t: f64, v: &[f64], at: &Linearised) -> Powers {
         stored += guide.stored;
         lost += guide.lost;
     }
-    [stored, input, lost, unphysical]
+    [stored, input, lost, unphysical, gross]
 }
 
 #[cfg(test)]
@@ -250,7 +251,7 @@ mod tests {
         // A cubic, and a force that changes evenly; the last state falls short of the end by rounding.
         let (x, speed) = (|t: f64| t * t * (t - 1.0), |t: f64| t * (3.0 * t - 2.0));
         for t in [0.0, 0.0625, 0.4, 0.75, 1.0 - 1e-14] {
-            shown.push(t, [&[x(t)], &[speed(t)]], [3.0 * t].into_iter(), [0.0; 4]);
+            shown.push(t, [&[x(t)], &[speed(t)]], [3.0 * t].into_iter(), [0.0; 5]);
         }
         assert_eq!(shown.q.len(), 8);
         shown.finish();

@@ -1,6 +1,7 @@
 //! Ideal joints of one condition and stops against closed forms: linear drive, gears, belt, rack, cam, slot, end stop.
 
 use common::accuracy::Accuracy;
+use common::failure::SimulationFailure;
 use common::outputs::{CycleHistory, Evaluation};
 use common::scene::SceneSource;
 use std::f64::consts::TAU;
@@ -8,13 +9,21 @@ use worker::simulate::{SimulateOptions, simulate};
 
 /// A scene that is seen once for `period` [s], with a frame whose points are `frame`, under `gravity` along y [m/s^2].
 fn seen_once(period: f64, gravity: f64, frame: &str, rest: &str) -> Evaluation {
-    let text = format!(
+    evaluated(&text_of(period, gravity, frame, rest)).expect("simulated")
+}
+
+fn evaluated(text: &str) -> Result<Evaluation, SimulationFailure> {
+    let source = SceneSource::parse(text, "coupled").unwrap_or_else(|faults| panic!("{faults}"));
+    simulate(source.nominal(), &Accuracy::reference(), SimulateOptions::WITH_FIRST_CYCLE)
+}
+
+/// The text of such a scene.
+fn text_of(period: f64, gravity: f64, frame: &str, rest: &str) -> String {
+    format!(
         "gravity = [\"0 m/s^2\", \"{gravity} m/s^2\"]\n[scene]\nname = \"coupled\"\n[[bodies]]\nname = \"frame\"\nmotion = \"fixed\"\npoints = {{ {frame} }}\n{rest}\n\
          [[outputs]]\nname = \"force\"\ntype = \"peak-joint-force\"\n\
          [life]\ncycles = 1\ncheckpoint_every = 1\nsettle_cycles = 0\nperiod = \"{period} s\"\n"
-    );
-    let source = SceneSource::parse(&text, "coupled").unwrap_or_else(|faults| panic!("{faults}"));
-    simulate(source.nominal(), &Accuracy::reference(), SimulateOptions::WITH_FIRST_CYCLE).expect("simulated")
+    )
 }
 
 /// A free body of 2 kg and 0.01 kg m^2 about its reference point, at rest at this place.
@@ -93,11 +102,12 @@ fn a_cylinder_lifts_a_boom_by_the_law_of_cosines() {
     near(found.histories[0][0], largest("pin").max(largest("cylinder")), 1e-3);
 }
 
-/// Angle of the second wheel over that of the first, and forces in mesh and bearing, for a torque of 5 N m on the second one.
-fn pair(kind: &str, radii: [f64; 2], distance: f64) -> [f64; 3] {
+/// Angle of the second wheel over that of the first, and forces in mesh and bearing, for a torque [N m] and 100 N along x on the second one, whose
+/// start lies beside its bearing. What drives does the work against the torque, and no other.
+fn pair(kind: &str, radii: [f64; 2], distance: f64, torque: f64) -> [f64; 3] {
     let [a, b] = radii;
     let wheels = driven("first", "centre = [\"0 m\", \"0 m\"]")
-        + &free("second", &format!("\"{distance} m\", \"0 m\""), "centre = [\"0 m\", \"0 m\"]");
+        + &free("second", &format!("\"{distance} m\", \"0.03 m\""), "centre = [\"0 m\", \"0 m\"]");
     let joints = joint("bearing", "revolute", ["second", "centre"], ["frame", "b"], "")
         + &joint(
             "mesh",
@@ -106,27 +116,44 @@ fn pair(kind: &str, radii: [f64; 2], distance: f64) -> [f64; 3] {
             ["second", "centre"],
             &format!("radius_a = \"{a} m\"\nradius_b = \"{b} m\""),
         );
-    let load =
-        "[[loads]]\nname = \"brake\"\ntype = \"constant-torque\"\nbody = \"second\"\ntorque = \"5 N m\"\n";
-    let found = seen_once(0.5, 0.0, &format!("b = [\"{distance} m\", \"0 m\"]"), &(wheels + &joints + load));
+    let load = format!(
+        "[[loads]]\nname = \"brake\"\ntype = \"constant-torque\"\nbody = \"second\"\ntorque = \"{torque} N m\"\n\
+         [[loads]]\nname = \"side\"\ntype = \"constant-force\"\nat = {{ body = \"second\", point = \"centre\" }}\nforce = [\"100 N\", \"0 N\"]\n"
+    );
+    let found = seen_once(0.5, 0.0, &format!("b = [\"{distance} m\", \"0 m\"]"), &(wheels + &joints + &load));
     let (t, _, angle) = motion(&found, "second").last().expect("instants");
     let last = |name: &str| *force(&found, name).last().expect("instants");
+    let energy = found.diagnostics.energy.expect("of the first cycle");
+    near(energy.turnover, 2.0 * (torque * angle).abs(), 1e-6);
+    near(energy.input, 0.0, 1e-9);
     [angle / (10.0 * t), last("mesh"), last("bearing")]
 }
 
 #[test]
 fn wheels_turn_by_their_radii_and_load_their_bearings_by_the_force_between_teeth() {
-    let of_teeth = |radius: f64| 5.0 / (radius * 20f64.to_radians().cos());
-    for (kind, radii, distance, ratio, exact) in [
-        ("gear", [0.02, 0.05], 0.07, -0.4, of_teeth(0.05)),
-        ("internal-gear", [0.02, 0.05], 0.03, 0.4, of_teeth(0.05)),
-        ("internal-gear", [0.05, 0.02], 0.03, 2.5, of_teeth(0.02)),
-        ("belt", [0.02, 0.05], 0.2, 0.4, 5.0 / 0.05),
+    let (sin, cos) = 20f64.to_radians().sin_cos();
+    for (kind, radii, distance, ratio) in [
+        ("gear", [0.02_f64, 0.05], 0.07, -0.4_f64),
+        ("internal-gear", [0.02, 0.05], 0.03, 0.4),
+        ("internal-gear", [0.05, 0.02], 0.03, 2.5),
+        ("belt", [0.02, 0.05], 0.2, 0.4),
     ] {
-        let [found, mesh, bearing] = pair(kind, radii, distance);
-        near(found, ratio, 1e-9);
-        near(mesh, exact, 1e-6 * exact);
-        near(bearing, exact, 1e-6 * exact);
+        // Teeth push the second wheel away from the first outside it, its rim outward or itself inward within the other; a strand pulls it.
+        let slope = ((radii[0] - radii[1]) / distance).asin();
+        let (exact, along, across) = match kind {
+            "belt" => (1.0, -slope.cos(), slope.sin()),
+            "gear" => (1.0 / cos, sin / cos, 1.0),
+            _ => (1.0 / cos, -sin / cos, 1.0),
+        };
+        let force = 5.0 / radii[1];
+        for sign in [1.0, -1.0] {
+            let [found, mesh, bearing] = pair(kind, radii, distance, -5.0 * sign * ratio.signum());
+            near(found, ratio, 1e-9);
+            near(mesh, sign * force * exact, 1e-6 * force);
+            if sign > 0.0 {
+                near(bearing, (100.0 + force * along).hypot(force * across), 1e-6 * force);
+            }
+        }
     }
 }
 
@@ -135,7 +162,13 @@ fn a_wheel_moves_a_rack_and_presses_it_against_its_guide() {
     let bodies = driven("wheel", "centre = [\"0 m\", \"0 m\"]")
         + &free("rack", "\"0 m\", \"-0.03 m\"", "line = [\"0 m\", \"0 m\"]");
     let joints = joint("guide", "prismatic", ["rack", "line"], ["frame", "g"], "")
-        + &joint("mesh", "rack", ["rack", "line"], ["wheel", "centre"], "radius = \"0.03 m\"");
+        + &joint(
+            "mesh",
+            "rack",
+            ["rack", "line"],
+            ["wheel", "centre"],
+            "radius = \"0.03 m\"\npressure_angle = \"-20 deg\"",
+        );
     let load = "[[loads]]\nname = \"push\"\ntype = \"constant-force\"\nat = { body = \"rack\", point = \"line\" }\nforce = [\"-80 N\", \"0 N\"]\n";
     let found = seen_once(0.2, 0.0, "g = [\"0 m\", \"-0.03 m\"]", &(bodies + &joints + load));
     let angle = 20f64.to_radians();
@@ -170,6 +203,26 @@ fn a_cam_lifts_its_follower_with_the_force_of_its_inertia() {
         // Negative where the cam has to pull.
         near(*force, -2.0 * 0.005 * 100.0 * cos, 0.01);
     }
+}
+
+#[test]
+fn issue_a_follower_jumped_from_cycle_to_cycle() {
+    let bodies = driven("cam", "centre = [\"0 m\", \"0 m\"]")
+        + &free("follower", "\"0 m\", \"0.03 m\"", "foot = [\"0 m\", \"0 m\"]");
+    let rising = |last: f64| {
+        let lift = format!(
+            "axis = \"90 deg\"\nlift = {{ over = {{ angle = \"cam\" }}, at = [\"0 deg\", \"45 deg\", \"90 deg\"], \
+             value = [\"30 mm\", \"33 mm\", \"{last} mm\"], repeat = false }}"
+        );
+        let joints = joint("guide", "prismatic", ["follower", "foot"], ["frame", "g"], "axis = \"90 deg\"")
+            + &joint("lift", "cam", ["follower", "foot"], ["cam", "centre"], &lift);
+        text_of(TAU / 10.0, 0.0, "g = [\"0 m\", \"0 m\"]", &(bodies.clone() + &joints))
+    };
+    assert!(evaluated(&rising(35.0)).is_ok(), "seen once");
+    let in_cycles = |text: String| evaluated(&text.replace("settle_cycles = 0", "settle_cycles = 1"));
+    assert!(in_cycles(rising(30.0)).is_ok(), "a dwell follows");
+    let failure = in_cycles(rising(35.0)).expect_err("a jump").to_string();
+    assert!(failure.contains("begin with a lift of 0.030000 m of the joint lift"), "{failure}");
 }
 
 #[test]

@@ -129,7 +129,7 @@ impl ReportInput {
                     stated.iter_mut().zip(errors).for_each(|(all, error)| all.push(*error));
                     input.samples.push((stored.sample, failures_of(scene, &evaluation)));
                     if stored.id == 0 {
-                        input.notes.extend(cautions(&evaluation.diagnostics));
+                        input.notes.extend(cautions(scene, &evaluation));
                         input.nominal = Some(evaluation);
                     }
                 }
@@ -146,7 +146,7 @@ impl ReportInput {
     /// The data of one mechanism without a study: the `summary` has no results.
     pub fn of_one(scene: &Scene, summary: StudySummary, nominal: Option<Evaluation>) -> Self {
         let mut input = Self { nominal, ..Self::new(scene, summary, vec![]) };
-        input.notes.extend(input.nominal.iter().flat_map(|evaluation| cautions(&evaluation.diagnostics)));
+        input.notes.extend(input.nominal.iter().flat_map(|evaluation| cautions(scene, evaluation)));
         input
     }
 
@@ -277,8 +277,8 @@ fn of_designs(summary: &StudySummary) -> Option<String> {
 }
 
 /// What is to be said about the motion of the nominal mechanism.
-fn cautions(diagnostics: &Diagnostics) -> Vec<String> {
-    motion_cautions(diagnostics).into_iter().map(|caution| caution.message).collect()
+fn cautions(scene: &Scene, evaluation: &Evaluation) -> Vec<String> {
+    motion_cautions(scene, evaluation).into_iter().map(|caution| caution.message).collect()
 }
 
 /// Cautions about properties of the model that affect the result.

@@ -38,6 +38,7 @@ fn kinds() -> Vec<Given> {
         direction: [0.6, 0.8],
         arms: [0.028, 0.047],
         value: 0.02,
+        gap: 0.0,
     };
     vec![
         joint(JointKind::Revolute),
