@@ -53,10 +53,13 @@ impl PairedResults {
         Self { first: [before, after], points, errors }
     }
 
-    /// Correlation of the shares of curve `c` at checkpoints before and after; 0 for populations of other sizes.
-    fn correlation(&self, c: usize, by: (usize, usize)) -> f64 {
+    /// Correlation of the shares of curve `c` at checkpoints before and after; 0 for populations of other sizes, and for different ones
+    /// near the limits, whose points are not the same random numbers.
+    fn correlation(&self, c: usize, by: (usize, usize), of: [&StudySummary; 2]) -> f64 {
         let [before, after] = [&self.first[0][c], &self.first[1][c]];
-        if before.len() == after.len() { sampling_correlation(before, after, by) } else { 0.0 }
+        let is_paired =
+            of.iter().all(|summary| summary.conditional.is_none()) || self.first[0] == self.first[1];
+        if is_paired && before.len() == after.len() { sampling_correlation(before, after, by) } else { 0.0 }
     }
 
     /// Half of the 95 % interval of sampling of a share [1].
@@ -72,10 +75,10 @@ impl PairedResults {
             let value = *row.reliability.get(name)?;
             Some(IntervalEstimate { value, lower, upper: Some(upper), sampling: self.sampling(value) })
         };
-        let rows = before.reliability.iter().zip(&after.reliability).enumerate();
+        let (of, rows) = ([before, after], before.reliability.iter().zip(&after.reliability).enumerate());
         rows.map(|(n, (before, after))| {
             let of_curve = |(c, name): (usize, &String)| {
-                let r = self.correlation(c, (n, n));
+                let r = self.correlation(c, (n, n), of);
                 let found = change(interval(before, name)?, interval(after, name)?, r, self.errors);
                 Some((name.clone(), found))
             };
@@ -98,7 +101,7 @@ impl PairedResults {
         rows.map(|(b, a)| {
             let both = b.cycles.zip(a.cycles).and_then(|(life_before, life_after)| {
                 let c = names.iter().position(|name| *name == b.limit_state)?;
-                let r = self.correlation(c, (nearest(life_before), nearest(life_after)));
+                let r = self.correlation(c, (nearest(life_before), nearest(life_after)), [before, after]);
                 let interval = |row: &LifeRow, value: f64, summary: &StudySummary| {
                     let CyclesRange { lower, upper } = row.whole_interval();
                     IntervalEstimate { value, lower, upper, sampling: self.sampling_of_life(summary, row) }

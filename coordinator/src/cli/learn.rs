@@ -5,8 +5,9 @@ use super::{
     CommandError, Destination, Done, FarmArguments, OpenedStudy, Verbosity, answer_with, positive, share,
 };
 use clap::Args;
+use coordinator::analyses::designs::DesignSpace;
 use coordinator::analyses::learn::{
-    LearnReport, LearnSettings, answer, learn as learn_fleet, scene_of_units,
+    LearnReport, LearnSettings, answer, hold_known, learn as learn_fleet, scene_of_units,
 };
 use coordinator::analyses::update::read_fleet;
 use coordinator::statistics::design::{InputModel, fixed_bounds};
@@ -98,9 +99,20 @@ fn learned(opened: &OpenedStudy, arguments: &LearnArguments) -> Done<LearnReport
     let present = opened.present()?;
     let model = opened.life_model()?;
     let (studied, summary) = (opened.study.scene(), &opened.summary);
-    let (scene, designs) = scene_of_units(studied, present.nominal());
-    let model = model.redistributed(InputModel::from_scene(&scene));
+    let (mut scene, designs) = scene_of_units(studied, present.nominal());
+    let mut model = model.redistributed(InputModel::from_scene(&scene));
     let data = read_fleet(&arguments.data, &opened.study.source, &model, Some(&designs))?;
+    let unknown = hold_known(&mut scene, present.nominal(), &designs, &data.unknown);
+    let followers = opened.space.as_ref().map_or(Ok(vec![]), DesignSpace::followers)?;
+    if let Some(follower) = followers.iter().find(|follower| unknown.contains(&follower.leader)) {
+        let [follower, leader] = [follower.variable, follower.leader].map(|k| &scene.variables[k].name);
+        let fault = format!(
+            "{follower} follows {leader}, which cannot be unknown then; name others in rows of the unit `population`, and it has the value \
+             of the scene"
+        );
+        return Err(CommandError::refused(arguments.data.display(), fault));
+    }
+    model = model.redistributed(InputModel::from_scene(&scene));
     let mut settings = LearnSettings::new(opened.study.settings.seed);
     settings.sets = arguments.sets;
     settings.confidence = arguments.confidence;

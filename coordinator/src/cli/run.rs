@@ -68,8 +68,8 @@ pub fn run(scene: &str, arguments: &RunArguments, verbosity: Verbosity) -> Done 
     let mut settings = arguments.settings(scene);
     let idle = arguments.method.without_effect().join(", ");
     if !idle.is_empty() {
-        let method = settings.method.name();
-        tracing::warn!("no effect with --method {method}, which simulates --samples: {idle}");
+        let why = if settings.method.learns() { "has no such rule" } else { "simulates --samples" };
+        tracing::warn!("no effect with --method {}, which {why}: {idle}", settings.method.name());
     }
     if let Some(path) = &arguments.method.initial_from {
         let file = path.display().to_string();

@@ -149,6 +149,7 @@ impl OpenedStudy {
         let settings = Settings {
             samples: of_study.min(POPULATION),
             method: Method::ActiveLearning,
+            is_rare: summary.conditional.is_some(),
             ..study.settings.clone()
         };
         Ok(Self { study, summary, space, settings })

@@ -106,24 +106,25 @@ impl ExtensionArguments {
         let mut extended = settings.clone();
         replace(&mut extended.max_failed, self.max_failed);
         let refuse = |key, value: String, allowed: String| Err(SettingError { key, value, allowed });
-        if settings.method.learns() {
-            if let Some(budget) = self.max_evaluations.filter(|budget| *budget < done) {
-                let allowed = format!("at least the {done} that are done");
-                return refuse("max_evaluations", budget.to_string(), allowed);
-            }
-            replace(&mut extended.max_evaluations, self.max_evaluations);
-            extended.target_error = self.target_error.or(extended.target_error);
-        } else {
-            let budget = self.max_evaluations.map(|budget| ("max_evaluations", budget.to_string()));
-            let error = self.target_error.map(|error| ("target_error", error.to_string()));
-            if let Some((key, value)) = budget.or(error) {
-                let method = settings.method.name();
-                let allowed = format!("no learning with --method {method}; extend it by --samples");
-                return refuse(key, value, allowed);
-            }
+        let (method, learns) = (settings.method, settings.method.learns());
+        let budget = self.max_evaluations.filter(|_| !learns);
+        let error = self.target_error.filter(|_| method != Method::ActiveLearning);
+        let budget = budget.map(|budget| ("max_evaluations", budget.to_string()));
+        let error = error.map(|error| ("target_error", error.to_string()));
+        if let Some((key, value)) = budget.or(error) {
+            return refuse(key, value, format!("none with --method {}; --samples extends it", method.name()));
         }
+        if let Some(budget) = self.max_evaluations.filter(|budget| *budget < done) {
+            return refuse(
+                "max_evaluations",
+                budget.to_string(),
+                format!("at least the {done} that are done"),
+            );
+        }
+        replace(&mut extended.max_evaluations, self.max_evaluations);
+        extended.target_error = self.target_error.or(extended.target_error);
         let present = settings.population();
-        match (self.samples.filter(|samples| *samples != present), settings.method) {
+        match (self.samples.filter(|samples| *samples != present), method) {
             (None, _) => Ok(extended),
             (Some(samples), Method::LatinHypercube) => {
                 let allowed =
@@ -196,7 +197,7 @@ pub struct MethodArguments {
 }
 
 impl MethodArguments {
-    /// The options given that only surrogates have, if the method has none.
+    /// The options given that the method does not have: those of surrogates, and of the stopping rule of `ak`.
     pub fn without_effect(&self) -> Vec<&'static str> {
         let given = [
             ("--initial", self.initial.is_some()),
@@ -209,8 +210,13 @@ impl MethodArguments {
             ("--stated-errors", self.stated_errors.is_some()),
             ("--memory", self.memory.is_some()),
         ];
-        let learns = self.method.unwrap_or_default().learns();
-        given.into_iter().filter(|(_, given)| *given && !learns).map(|(option, _)| option).collect()
+        let method = self.method.unwrap_or_default();
+        let has = |option| method == Method::ActiveLearning || method.learns() && option != "--target-error";
+        given
+            .into_iter()
+            .filter(|(option, given)| *given && !has(*option))
+            .map(|(option, _)| option)
+            .collect()
     }
 }
 
@@ -351,6 +357,8 @@ mod tests {
         };
         assert_eq!(given(Method::MonteCarlo).without_effect(), ["--initial", "--batch"]);
         assert!(given(Method::AkMcs).without_effect().is_empty());
+        let of_error = MethodArguments { target_error: Some(0.01), ..given(Method::AkMcs) };
+        assert_eq!(of_error.without_effect(), ["--target-error"]);
     }
 
     #[test]
@@ -373,6 +381,8 @@ mod tests {
             "max_evaluations",
         );
         refused(&fewer(3999), &learning, "samples");
+        let of_error = ExtensionArguments { target_error: Some(0.01), ..Default::default() };
+        refused(&of_error, &Settings { method: Method::AkMcs, ..learning.clone() }, "target_error");
         let direct = Settings { method: Method::MonteCarlo, samples: 100, ..Settings::default() };
         assert_eq!(fewer(150).extended(&direct, 101).unwrap().samples, 150);
         refused(&fewer(99), &direct, "samples");

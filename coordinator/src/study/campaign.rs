@@ -248,7 +248,8 @@ impl Campaign {
                 let held = self.stopping.record_round(met, self.data.results(), needed);
                 let ends = held && self.requests.under_way() == 0;
                 let surrogates = &assessment.surrogates;
-                (ends, ends && classified.replace_if_needed(plan, surrogates, failed, barred))
+                let at_once = plan.settings.is_rare && self.rounds.len() == 1;
+                (ends, (ends || at_once) && classified.replace_if_needed(plan, surrogates, failed, barred))
             };
             if replaced {
                 self.restart_on_new_population();

@@ -143,7 +143,8 @@ pub fn complete_outcomes(scene: &Scene, stored: &[StoredOutcome]) -> Vec<(Vec<f6
 /// The campaign of a changed scene that begins with the results of a study of `studied`, with a budget of
 /// `further` simulations beyond them.
 ///
-/// `settings` are those of the study; `samples` is the size of the population, which stays as it is.
+/// `settings` are those of the study; `samples` is the size of the population, which stays as it is, or becomes conditional
+/// ([`Settings::is_rare`]).
 pub fn campaign_from_results(
     changed: &Scene,
     studied: &Scene,
@@ -157,7 +158,9 @@ pub fn campaign_from_results(
         larger_populations: vec![],
         ..settings.clone()
     };
-    let targets = StoppingTargets { cov: f64::INFINITY, ..settings.targets() };
+    let present = settings.targets();
+    let cov = if settings.is_rare { present.cov } else { f64::INFINITY };
+    let targets = StoppingTargets { cov, ..present };
     let plan = Plan { targets, largest_population: settings.samples, ..Plan::new(&settings, changed) };
     let problem = Problem::of_changed_scene(changed, studied);
     Campaign::with_results(problem, plan, complete_outcomes(changed, stored))

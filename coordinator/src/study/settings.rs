@@ -105,6 +105,9 @@ pub struct Settings {
     /// Levels of accuracy finer than the working one (active learning). Campaign files written before this setting existed have none.
     #[serde(default, skip_serializing_if = "FinerLevels::is_none")]
     pub levels: FinerLevels,
+    /// Whether results that exist are those of a study of rare failures: their population is conditional at once, if it has to be.
+    #[serde(skip)]
+    pub is_rare: bool,
 }
 
 fn memory() -> usize {
@@ -160,6 +163,7 @@ impl From<StudySettings> for Settings {
             larger_populations: Vec::new(),
             initial_samples: Vec::new(),
             levels: FinerLevels::None,
+            is_rare: false,
         }
     }
 }

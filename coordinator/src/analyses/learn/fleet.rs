@@ -9,6 +9,7 @@ use crate::analyses::error::RefusedQuestion;
 use crate::analyses::update::{
     FleetData, Observation, ObservationRow, ObservedUnit, evidence_of, outputs_of, posterior, warning,
 };
+use crate::presentation::report::untested::not_in_answer;
 use crate::results::summary::StudySummary;
 use crate::statistics::design::{InputModel, Stream, open_stream};
 use crate::statistics::updating::{
@@ -136,6 +137,7 @@ pub fn learn(
         before: None,
         one_more,
         study: summary.reliability.clone(),
+        caution: not_in_answer(summary),
         end: model.end(),
         chosen_by_default: by_default,
         parameters: (0..dimension).map(parameter).collect(),

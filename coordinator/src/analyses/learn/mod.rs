@@ -29,5 +29,5 @@ mod text;
 pub use fleet::learn;
 pub use population::{fitted_reliability, uncertain_fits};
 pub use result::{LearnReport, LearnSettings};
-pub use space::scene_of_units;
+pub use space::{hold_known, scene_of_units};
 pub use text::{answer, confident_answer, confident_figure, confident_parts};

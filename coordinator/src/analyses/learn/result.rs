@@ -51,6 +51,8 @@ pub struct LearnReport {
     pub one_more: (Vec<Distribution>, Vec<Correlation>),
     /// Reliability of the study, before any unit was observed.
     pub study: Vec<ReliabilityRow>,
+    /// What the study's simulations do not support, in words.
+    pub caution: Option<String>,
     /// Last checkpoint [cycles].
     pub end: f64,
     /// True if the file names no unknown parameter.

@@ -41,6 +41,24 @@ pub fn scene_of_units(studied: &Scene, present: &Scene) -> (Scene, Vec<usize>) {
     (scene, designs)
 }
 
+/// Gives the design variables `designs` that are not among the `unknown` parameters of a file the value that `present` has; those that
+/// remain unknown, all of them where the file names nothing.
+pub fn hold_known(
+    scene: &mut Scene,
+    present: &Scene,
+    designs: &[usize],
+    unknown: &[UnknownParameter],
+) -> Vec<usize> {
+    let is_unknown = |k: &&usize| unknown.is_empty() || unknown.iter().any(|own| own.variable == **k);
+    let (unknown, known): (Vec<&usize>, Vec<&usize>) = designs.iter().partition(is_unknown);
+    for k in known {
+        let variable = &mut scene.variables[*k];
+        let own = present.variables.iter().find(|own| own.name == variable.name);
+        own.into_iter().for_each(|own| variable.distribution = own.distribution.clone());
+    }
+    unknown.into_iter().copied().collect()
+}
+
 /// What is not known where a file names nothing: the parameters of the variables that were measured and, if lives or outputs were
 /// observed, those of the variable with the most influence on the life; the design variables in any case.
 pub fn default_unknown(

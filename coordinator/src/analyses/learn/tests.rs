@@ -167,6 +167,21 @@ fn the_value_of_a_design_variable_has_its_closed_form() {
 }
 
 #[test]
+fn issue_a_known_design_variable_scattered_over_its_range() {
+    let text = WEAR.replace("\"normal\", mean = 2, std = 0.5", "\"uniform\", lower = -3, upper = 9");
+    let constant = text.replace("\"uniform\", lower = -3, upper = 9", "\"constant\", mean = 2");
+    let [(studied, model), (present, _)] = [&text, &constant].map(|text| study(text, wear));
+    let unknown = |rows: &str| parse_fleet(rows, "fleet.csv", &studied, &model, Some(&[1])).unwrap().unknown;
+    for (row, left) in [("population,,rate.mean\n", vec![]), ("population,,offset\n", vec![1]), ("", vec![1])]
+    {
+        let rows = format!("{row}U1,1000,wear,27 um,0.1 um\n");
+        let mut scene = studied.nominal().clone();
+        assert_eq!(hold_known(&mut scene, present.nominal(), &[1], &unknown(&rows)), left, "{row}");
+        assert_eq!(scene.variables[1].distribution.is_constant(), left.is_empty(), "{row}");
+    }
+}
+
+#[test]
 fn a_normal_mean_has_the_conjugate_closed_form() {
     let text = format!("population,,offset.mean,1.5,0.2\n{}", measured_offsets());
     let report = learned(study(WEAR, wear), &text, |s| (s.sets, s.points) = (SETS, 3000)).unwrap();
@@ -308,8 +323,10 @@ fn simulations_where_the_population_has_gone_improve_what_was_learned() {
     // With one more unit far from the study, half of the population fails near the life of the middle one.
     let half = after.confident.lives[2].median.unwrap();
     assert!((half / life(35.0) - 1.0).abs() < 0.1, "{half} {}", life(35.0));
-    let answered = LearnReport { evaluations: 7, before: Some(before.confident), ..after };
+    let caution = Some("Caution: the study only bounds P_f".to_owned());
+    let answered = LearnReport { evaluations: 7, before: Some(before.confident), caution, ..after };
     let text = answer(&answered).text();
+    assert!(text.contains("only bounds P_f"), "{text}");
     assert!(text.contains("Before 7 simulations were added: Life at R = 0.99"), "{text}");
 }
 

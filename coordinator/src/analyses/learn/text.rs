@@ -39,7 +39,8 @@ pub fn answer(report: &LearnReport) -> Answer {
         parts.insert(1, AnswerPart::Text(text));
     }
     let before = report.before.as_ref().map(|b| AnswerPart::Text(format!("Before {added}: {}", sentence(b))));
-    parts.splice(1..1, before);
+    let caution = report.caution.clone().map(AnswerPart::Text);
+    parts.splice(1..1, caution.into_iter().chain(before));
     let interval = format!("{} interval", percent(confident.confidence));
     let head = ["parameter", "study", "prior, 5 to 95 %", "median", &interval];
     let rows = parameters.iter().map(parameter_row);

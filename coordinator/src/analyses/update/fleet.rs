@@ -3,6 +3,7 @@
 use super::observation::{Observation, ObservedUnit, Quantity};
 use super::predictor::{Prior, UnitPredictor};
 use super::result::{FleetReport, ObservationRow, RemainingLife, UnitReport, UpdatedVariable};
+use crate::presentation::report::untested::not_in_answer;
 use crate::results::life_summary::{CyclesRange, LifeRow};
 use crate::results::summary::{PerLimitState, ReliabilityRow, StudySummary};
 use crate::statistics::design::{Stream, open_stream};
@@ -59,6 +60,7 @@ pub fn update(
         evaluations: 0,
         reliability: summary.reliability.clone(),
         lives: summary.lives.clone(),
+        caution: not_in_answer(summary),
         end: model.end(),
         population: settings.population,
         units: units.par_iter().enumerate().map(updated).collect(),

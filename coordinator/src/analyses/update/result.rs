@@ -16,6 +16,8 @@ pub struct FleetReport {
     pub reliability: Vec<ReliabilityRow>,
     /// Lives of such a unit.
     pub lives: Vec<LifeRow>,
+    /// What the study's simulations do not support, in words.
+    pub caution: Option<String>,
     /// Last checkpoint [cycles].
     pub end: f64,
     /// Number of points whose weights are changed.

@@ -218,3 +218,24 @@ fn ten_units_that_cannot_be_are_named_in_one_go() {
         }
     }
 }
+
+#[test]
+fn issue_a_probability_that_no_simulation_has_tested_was_left_out() {
+    use crate::results::summary::UntestedRow;
+    let (source, settings, model) = &*STUDY;
+    let units = unit_file::parse("A,1000,survived\n", "units.csv", source, model, None).unwrap().units;
+    let mut summary = crate::tests::test_study::study().summary;
+    let fleet = FleetSettings { population: 2000, ..FleetSettings::new(settings.seed) };
+    let caution = |summary: &_| {
+        let report = update(source.nominal(), summary, model, &units, &fleet);
+        (report.caution.clone(), answer(&report).text())
+    };
+    assert_eq!(caution(&summary).0, None);
+    let curves = vec!["worn".to_owned(), "total".to_owned()];
+    summary.untested = Some(UntestedRow { curves, samples: 11, bound: 0.2384, predicted: 1e-9 });
+    let (said, text) = caution(&summary);
+    assert!(
+        said.as_ref().is_some_and(|said| said.contains("P_f < 0.238 (95 %)") && text.contains(said)),
+        "{text}"
+    );
+}

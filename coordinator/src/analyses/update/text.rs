@@ -28,6 +28,7 @@ pub fn answer(report: &FleetReport) -> Answer {
         AnswerPart::Table(Table::new("", head, rows).with_left(&[0, 7])),
         AnswerPart::Text(meaning.to_owned()),
     ];
+    parts.splice(0..0, report.caution.clone().map(AnswerPart::Text));
     if units.len() <= DETAILED {
         parts.extend(units.iter().filter(|unit| !unit.variables.is_empty()).map(variables));
     }

@@ -53,8 +53,6 @@ pub struct WhatIf {
     pub surrogate_error: f64,
     /// Surrogate error at which a study with these settings may stop [1].
     pub target_error: f64,
-    /// True if failures of the study are so rare that it has a population conditional on an intermediate event.
-    pub is_rare: bool,
     /// Number of simulations used.
     pub simulations: usize,
     /// Duration of the answer without reading and writing of files [s].
@@ -101,7 +99,6 @@ pub fn ask(study: &FinishedStudy<'_>, changed: &Scene) -> Result<WhatIf, StudyEr
         agreement: summary.map(|summary| agreement(summary, &before_summary)),
         surrogate_error: after.assessment.figures.error,
         target_error: settings.targets().error,
-        is_rare: summary.is_some_and(|summary| summary.conditional.is_some()),
         simulations: outcomes.len(),
         before: before_summary,
         after: after_summary,

@@ -99,7 +99,7 @@ impl Region {
 
 /// Share of a population outside of any of these ranges, and by variable [1].
 fn shares_outside(learned: &CampaignResult, ranges: &[(f64, f64)]) -> (f64, Vec<f64>) {
-    let population = &learned.classified.population;
+    let population = learned.classified.unconditional();
     let (mut any, mut by_variable) = (0usize, vec![0usize; ranges.len()]);
     for j in 0..population.len() {
         let values = population.standardised(j).iter().zip(ranges);

@@ -10,6 +10,7 @@ use crate::presentation::report::format::{
 use crate::presentation::report::life::{
     LEVELS, life_at, life_with_limits, reliability, rows_that_matter, unresolved_fall,
 };
+use crate::presentation::report::untested::no_simulated_failure;
 use crate::presentation::report::{Answer, AnswerPart, ComparedStudy, Table};
 use crate::results::summary::{FirstFailureRow, StudySummary};
 use crate::statistics::reliability::paired::Change;
@@ -29,6 +30,7 @@ pub fn json(answer: &WhatIf, added: usize) -> Value {
             "curves": summary.curves,
             "first_failure": summary.first_failure,
             "unresolved_fall": summary.unresolved_fall,
+            "untested": summary.untested,
         })
     };
     let mut found = of(&answer.after);
@@ -188,15 +190,24 @@ fn first_failure_table(answer: &WhatIf) -> Option<Table> {
 /// What the numbers mean, how far they can be trusted, and what would improve them.
 fn sentences(answer: &WhatIf, added: usize, command: &str) -> Vec<String> {
     let new = if added == 0 { "none".to_owned() } else { count(added as u64) };
-    let mut all = vec![
-        format!(
-            "Answered from {} simulations, {new} of them new, with a population of {} before and after.",
-            count(answer.simulations as u64),
-            count(answer.after.population as u64)
-        ),
+    let both = [&answer.before, &answer.after];
+    let [before, after] = both.map(|summary| count(summary.population as u64));
+    let sizes = if before == after {
+        format!("{after} before and after")
+    } else {
+        format!("{before} before, {after} after")
+    };
+    let samples = if both.iter().any(|summary| summary.conditional.is_some()) {
+        "Failures of the study are rare: where they are, R is counted over samples near the limits, as in the study, and the errors of a \
+         change are those of both its values."
+    } else {
         "Both populations are made from the same random numbers, so the sampling error of a change is smaller than that of \
          its two values; their other errors are taken as independent."
-            .to_owned(),
+    };
+    let simulations = count(answer.simulations as u64);
+    let mut all = vec![
+        format!("Answered from {simulations} simulations, {new} of them new, with a population of {sizes}."),
+        samples.to_owned(),
     ];
     let differs = |agreement: &&Agreement| agreement.stated > 0.0 || agreement.largest_difference > 0.0;
     if let Some(agreement) = answer.agreement.as_ref().filter(differs) {
@@ -208,9 +219,7 @@ fn sentences(answer: &WhatIf, added: usize, command: &str) -> Vec<String> {
             count((*cycles).into())
         ));
     }
-    let rare = "Failures of the study are rare: its own result comes from samples near the limit, this answer from a plain count, \
-                which bounds small failure probabilities only.";
-    all.extend(answer.is_rare.then(|| rare.to_owned()));
+    all.extend(no_simulated_failure(&answer.after).map(|caution| format!("Caution: {caution}.")));
     all.push(region(answer));
     let [error, target] = [answer.surrogate_error, answer.target_error].map(three_digits);
     all.extend((answer.surrogate_error > answer.target_error).then(|| {

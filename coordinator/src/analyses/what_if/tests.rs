@@ -249,3 +249,41 @@ fn issue_a_population_far_outside_of_the_simulations_had_narrow_intervals() {
     let near = answer(&["force.std=0.12"]);
     assert_eq!(near.region.unknown_share(), 0.0);
 }
+
+#[test]
+fn issue_a_question_about_rare_failures_was_answered_by_a_plain_count() {
+    let text = r#"
+scene = { name = "bar" }
+simulator = { program = ["closure"] }
+life = { cycles = 100, checkpoint_every = 50 }
+outputs = [{ name = "stress" }]
+limit_states = [{ name = "yield", output = "stress", threshold = 1.6 }]
+variables = [{ name = "force", distribution = "normal", mean = 1, std = 0.1 }]
+"#;
+    let source = SceneSource::parse(text, "bar").unwrap();
+    let scene = source.nominal();
+    let outcome = |k: i32| {
+        let force = 1.0 + 0.1 * f64::from(k);
+        let outcome = Ok(Observed::exact(vec![vec![0.5 * force, force]]));
+        StoredOutcome { sample: vec![force], outcome }
+    };
+    let outcomes: Vec<StoredOutcome> = (-7..=8).map(outcome).collect();
+    let settings = Settings { is_rare: true, ..settings(scene) };
+    let study =
+        FinishedStudy { scene, settings: &settings, simulated: scene, outcomes: &outcomes, summary: None };
+    // P_f = Phi(-6), Phi(-5) and one half.
+    for (sets, pf, is_rare) in [("1.6", 9.866e-10, true), ("1.5", 2.867e-7, true), ("1", 0.5, false)] {
+        let changed = changed_scene(&source, &[format!("yield.threshold={sets}")]).unwrap();
+        let found = ask(&study, changed.nominal()).unwrap();
+        assert_eq!(found.after.conditional.is_some(), is_rare, "{sets}");
+        assert!(found.after.untested.is_none(), "{:?}", found.after.untested);
+        let range = found.after.reliability[1].interval_of("total").unwrap();
+        let (least, most) = (1.0 - range.upper, 1.0 - range.lower);
+        assert!(least < 1.05 * pf && 0.95 * pf < most && most - least < 0.3 * pf, "{sets}: {least} {most}");
+        let change = found.reliability[1].change["total"];
+        let is_within = change.lower.unwrap() < 1.05 * (9.866e-10 - pf) + 1e-10
+            && change.upper.unwrap() > 0.95 * (9.866e-10 - pf) - 1e-10;
+        assert!(is_within && change.upper.unwrap() - change.lower.unwrap() < 0.4 * pf, "{sets}: {change:?}");
+        assert!(sets != "1.6" || change.value == 0.0 && change.upper == Some(0.0), "{change:?}");
+    }
+}

@@ -35,6 +35,14 @@ pub fn no_simulated_failure(summary: &StudySummary) -> Option<String> {
     ))
 }
 
+/// The same for an answer by the surrogates of the study, which takes no notice of the bound.
+pub fn not_in_answer(summary: &StudySummary) -> Option<String> {
+    let caution = no_simulated_failure(summary)?;
+    Some(format!(
+        "Caution: the study only bounds P_f; {caution}. This answer follows the surrogates without that bound."
+    ))
+}
+
 /// Share of the variance above which the noise of the simulations limits learning and costs more than a finer accuracy [1].
 const MUCH_NOISE: f64 = 0.02;
 
