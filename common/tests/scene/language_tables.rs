@@ -28,7 +28,11 @@ pub(crate) fn written(key: &'static Key) -> Vec<Written> {
         Form::Place | Form::FreePlace => one(reference("place"), true),
         Form::Body | Form::FreeBody | Form::DrivenBody => one(json!({ "type": "string" }), true),
         Form::SignedBody => one(reference("signed_body"), true),
-        Form::Direction => one(pair(json!({ "type": ["number", "string"] })), true),
+        Form::Direction => {
+            let mut direction = pair(json!({ "type": ["number", "string"] }));
+            direction["not"] = json!({ "const": [0, 0] });
+            one(direction, true)
+        }
         Form::Pair(kind) => one(pair(of_kind(kind)), true),
         Form::Number(kind, range) => one(
             in_range(of_kind(kind), range, ("examples", json!([format!("1 {}", first_unit(kind))]))),
