@@ -42,7 +42,7 @@ def run(
 
     `scene` is a dictionary, a file or the name of a built-in scene, `out` the folder of the study. `progress` is called
     with a `Progress` for every line that the program prints meanwhile. Options are those of `coordinator run`, with `_`
-    for `-`: `accuracy="draft"`, `workers=2`, `max_evaluations=60`; True sets a flag, a list repeats an option.
+    for `-`: `accuracy="draft"`, `workers=2`, `max_evaluations=60`; True sets a flag, a list or a dictionary repeats an option.
 
     An interruption (Ctrl-C, or that of a notebook) stops the study without loss, and `resume` goes on with it. A study
     that ended before its targets were met is returned with a StudyWarning; see `Study.targets_met` and `Study.ending`.
@@ -82,6 +82,8 @@ def words(options: Mapping[str, Any]) -> list[str]:
     found: list[str] = []
     for key, value in options.items():
         option = "--" + key.replace("_", "-")
+        if isinstance(value, Mapping):
+            value = [f"{name}={entry}" for name, entry in value.items()]
         for entry in value if isinstance(value, (list, tuple)) else [value]:
             if entry is True:
                 found.append(option)
@@ -137,12 +139,13 @@ def _run_to_end(
 
 
 def without(line: str, hidden: str | None) -> str:
-    """A message with `scene` in the place of a temporary file."""
+    """A message with `scene`, `rows` or `problem` in the place of a temporary file."""
     if hidden is None:
         return line
     base = os.path.basename(hidden)
+    shown = "scene" if base.startswith(".") else base.split(".")[0]
     for name in (os.path.abspath(hidden), hidden, os.path.join(".", base), base):
-        line = line.replace(name, "scene")
+        line = line.replace(name, shown)
     return line
 
 

@@ -45,7 +45,7 @@ def _with_absolute_paths(table: dict[str, Any], folder: Path) -> dict[str, Any]:
     if isinstance(head, dict) and isinstance(head.get("extends"), str) and (folder / head["extends"]).is_file():
         settle(head, "extends")
     simulator = table.get("simulator")
-    if isinstance(simulator, dict) and "program" in simulator:
+    if isinstance(simulator, dict) and simulator.keys() & {"program", "fmu"}:
         settle(simulator, "folder", ".")
     return table
 

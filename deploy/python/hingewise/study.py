@@ -127,6 +127,9 @@ class Study:
             from matplotlib import pyplot
 
             _, ax = pyplot.subplots()
+        known = [curve["limit_state"] for curve in self.summary["curves"]]
+        if unknown := [name for name in limit_states or [] if name not in known]:
+            raise KeyError(f"{unknown[0]}: the limit states are {', '.join(known)}")
         for curve in self.summary["curves"]:
             name = curve["limit_state"]
             if limit_states is None or name in limit_states:

@@ -126,14 +126,28 @@ class WithStudy(unittest.TestCase):
         with self.assertRaises(hingewise.ProgramError) as raised:
             hingewise.learn(self.study, [("A7", 2000, "nonsense", 1, 1)])
         self.assertIn("nonsense", str(raised.exception))
+        named = dict(zip(("unit", "cycles", "quantity", "value", "error"), row))
+        survived = {"unit": "A7", "cycles": 2000, "quantity": "survived"}
+        remaining = hingewise.update("study", [row, ("A7", 2000, "survived")], points=4000)["units"][0]["remaining"]
+        tables = [[named, survived]] + ([pandas.DataFrame([named, survived])] if pandas else [])
+        for table in tables:
+            self.assertEqual(hingewise.update("study", table, points=4000)["units"][0]["remaining"], remaining)
+        with self.assertRaisesRegex(KeyError, "eror: the columns are unit, cycles, quantity"):
+            hingewise.update("study", [named | {"eror": 1}])
+        with self.assertRaises(hingewise.ProgramError) as raised:
+            hingewise.update("study", [named | {"quantity": "nonsense"}])
+        self.assertIn(" rows:2:", str(raised.exception))
         problem = {
             "quantities": [{"change": "friction.mean", "lower": 0.04, "upper": 0.05, "cost": {"model": "linear", "c0": 0, "c1": 1}}],
             "targets": [{"reliability": 0.5, "cycles": 5000}],
         }
-        self.assertEqual(hingewise.replace(self.study, 10)["evaluations"], 0)
+        replaced = hingewise.replace(self.study, 10)
+        self.assertEqual(replaced["evaluations"], 0)
+        self.assertEqual(hingewise.replace(self.study, 10, out="replaced.json"), replaced)
         units = [("A", 5000, "failed"), ("B", 6000, "failed"), ("C", 4000, "running")]
         alone = hingewise.weibull(units)
         self.assertNotEqual(alone, hingewise.weibull(units, self.study))
+        self.assertEqual(alone, hingewise.weibull([dict(zip(("cycles", "unit", "state"), (n, u, s))) for u, n, s in units]))
         # ln(1 - 0.9) / ln 0.99 units without failure.
         self.assertEqual(hingewise.test_plan(0.99, 5000)["plans"][0]["units"], 230)
         found = hingewise.optimise(self.study, problem, max_evaluations=0)
@@ -153,13 +167,16 @@ class WithStudy(unittest.TestCase):
             return
         matplotlib.use("agg")
         self.assertEqual(len(self.study.plot(limit_states=["total"]).lines), 1)
+        with self.assertRaisesRegex(KeyError, "waer: the limit states are wear, total"):
+            self.study.plot(limit_states=["waer"])
 
     def test_own_samples_are_simulated_in_their_order(self):
-        rows = [{"friction": 0.04}, {"no_variable": 1}, {"friction": 0.06, "parameters.width": "11 mm"}]
-        first, second, third = hingewise.evaluate(small(), rows, accuracy="draft", at_once=2)
-        self.assertIsInstance(second, hingewise.ProgramError)
-        self.assertNotIn(".hingewise-", str(second))
-        alone = hingewise.simulate("four-bar", {"friction": 0.04}, accuracy="draft")
+        rows = [{"friction": 0.04}, {"no_variable": 1}, {"friction": 0.06, "parameters.width": "11 mm"}, {"friction": -1}]
+        first, second, third, fourth = hingewise.evaluate(small(), rows, accuracy="draft", at_once=2)
+        for wrong in (second, fourth):
+            self.assertIsInstance(wrong, hingewise.ProgramError)
+            self.assertNotIn(".hingewise-", str(wrong))
+        alone = hingewise.simulate("four-bar", {"friction": 0.04}, accuracy="draft", out="one.json")
         self.assertEqual(first["max_wear_depth_m"], alone["max_wear_depth_m"])
         self.assertLess(third["max_wear_depth_m"][-1], first["max_wear_depth_m"][-1])
         self.assertTrue(hingewise.check("four-bar", quick=True)["valid"])
@@ -170,7 +187,7 @@ class WithStudy(unittest.TestCase):
 
     def test_a_study_goes_on_and_nothing_is_run_again(self):
         before = {row["id"]: row["finished_at"] for row in self.study.rows("samples")}
-        hingewise.run("study/scene.toml", "longer", levels="draft", workers=2)
+        hingewise.run("study/scene.toml", "longer", levels="draft", workers=2, set={"friction": 0.05})
         longer = hingewise.resume("longer", max_evaluations=18, workers=2)
         self.assertEqual(longer.summary["evaluations"]["total"], 18)
         self.assertEqual(len(longer.rows("samples")), 18)
@@ -270,8 +287,9 @@ class ElsewhereTest(unittest.TestCase):
         self.assertEqual(hingewise.load_scene("sub/four.toml")["scene"]["extends"], "four-bar")
 
     def test_issue_a_program_was_started_in_another_folder(self):
-        Path("sub/beam.toml").write_text('[simulator]\nprogram = ["python3", "beam.py"]\n')
-        self.assertEqual(hingewise.load_scene("sub/beam.toml")["simulator"]["folder"], str(Path.cwd() / "sub"))
+        for named in ('program = ["python3", "beam.py"]', 'fmu = "beam.fmu"'):
+            Path("sub/beam.toml").write_text(f"[simulator]\n{named}\n")
+            self.assertEqual(hingewise.load_scene("sub/beam.toml")["simulator"]["folder"], str(Path.cwd() / "sub"))
 
 
 class Scenes(unittest.TestCase):
