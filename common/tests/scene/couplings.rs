@@ -90,3 +90,20 @@ fn joints_have_the_defaults_of_their_scene() {
         "{faults}"
     );
 }
+
+#[test]
+fn issue_a_given_mass_had_the_inertia_of_another_one() {
+    let lift = include_str!("../scenes/lift-table.toml");
+    let arm = |mass: &str| {
+        let text = lift.replace("name = \"arm\"\n", &format!("name = \"arm\"\n{mass}\n"));
+        let source = SceneSource::parse(&text, "lift-table").unwrap_or_else(|faults| panic!("{faults}"));
+        match source.nominal().bodies[body(source.nominal(), "arm")].motion {
+            Motion::Free { mass, inertia, .. } => [mass, inertia],
+            _ => panic!("free"),
+        }
+    };
+    let ([own, of_own], [given, of_given]) = (arm(""), arm("mass = \"2 kg\""));
+    assert!(given == 2.0 && own > 10.0, "{own}");
+    same(&[of_given], &[of_own * (2.0 / own)]);
+    same(&arm("mass = \"2 kg\"\ninertia = \"3 kg m^2\""), &[2.0, 3.0]);
+}
