@@ -78,9 +78,12 @@ fn driven_inertia(
     }
     let shape = row.if_any("shape", |row, _| shape(row, points, materials))?;
     let centre = shape.map_or([0.0; 2], |shape| shape.centre_of_mass);
-    let [mass, inertia] = mass_and_inertia(row, shape);
-    let centre = row.pair_or("centre_of_mass", LENGTH, centre);
-    let inertia = record!(MassProperties { mass: mass, inertia: inertia, centre_of_mass: centre });
+    let [of_mass, of_inertia] = mass_and_inertia(row, shape);
+    let inertia = record!(MassProperties {
+        mass: of_mass,
+        inertia: of_inertia,
+        centre_of_mass: row.pair_or("centre_of_mass", LENGTH, centre),
+    });
     inertia.map(Some)
 }
 
@@ -98,10 +101,10 @@ fn free(row: &mut Section, points: &[Point], materials: &[MaterialRow]) -> Optio
         None => Some(MassProperties { mass: 1.0, inertia: 1.0, centre_of_mass: [0.0; 2] }),
         Some(shape) => shape,
     };
-    let [mass, inertia] = mass_and_inertia(row, shape);
+    let [of_mass, of_inertia] = mass_and_inertia(row, shape);
     record!(Motion::Free {
-        mass: mass,
-        inertia: inertia,
+        mass: of_mass,
+        inertia: of_inertia,
         centre_of_mass: match shape {
             Some(shape) => row.pair_or("centre_of_mass", LENGTH, shape.centre_of_mass),
             None => row.pair("centre_of_mass", LENGTH),
