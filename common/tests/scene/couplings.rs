@@ -80,6 +80,9 @@ fn joints_have_the_defaults_of_their_scene() {
     let [warning] = &warnings(&geared.replace("\"50 mm\"", "\"60 mm\""))[..] else { panic!("one warning") };
     assert_eq!(warning.key, "joints.teeth.radius_a");
     assert!(warning.message.contains("overlap each other by 10.0000 mm"), "{warning}");
+    // What else turns on a wheel that a fixed body bears is no bearing.
+    let arm = "[[joints]]\nname = \"arm\"\ntype = \"revolute\"\na = { body = \"camshaft\", point = \"centre\" }\nb = { body = \"follower\", point = \"foot\" }\n";
+    assert!(SceneSource::parse(&format!("{geared}\n{arm}"), "geared-cam").is_ok());
     let planet = geared.replace(
         "bushing = { body = \"frame\", point = \"shaft\" }",
         "bushing = { body = \"follower\", point = \"foot\" }",
