@@ -88,7 +88,7 @@ pub struct CycleHistory {
     pub bodies: Vec<BodyTrace>,
     /// Motion of every free and driven body.
     pub motion: Vec<BodyMotion>,
-    /// Name of each joint with its force magnitude, of a cam negative where it pulls its follower `(n,)` [N].
+    /// Name of each joint with its force magnitude, of a cam, teeth or a belt negative where their contact cannot transmit it `(n,)` [N].
     pub joint_force: Vec<(String, Vec<f64>)>,
     /// Journals of a cycle that another program gives; empty for the built-in mechanics.
     #[serde(default)]

@@ -78,12 +78,21 @@ fn driven_inertia(
     }
     let shape = row.if_any("shape", |row, _| shape(row, points, materials))?;
     let centre = shape.map_or([0.0; 2], |shape| shape.centre_of_mass);
+    let [of_mass, of_inertia] = mass_and_inertia(row, shape);
     let inertia = record!(MassProperties {
-        mass: row.quantity_unless("mass", MASS, Range::Positive, shape.map(|shape| shape.mass)),
-        inertia: row.quantity_unless("inertia", INERTIA, Range::Positive, shape.map(|shape| shape.inertia)),
+        mass: of_mass,
+        inertia: of_inertia,
         centre_of_mass: row.pair_or("centre_of_mass", LENGTH, centre),
     });
     inertia.map(Some)
+}
+
+/// Mass and moment of inertia, those of the shape where they are not given: of a given mass in that shape.
+fn mass_and_inertia(row: &mut Section, shape: Option<MassProperties>) -> [Option<f64>; 2] {
+    let mass = row.quantity_unless("mass", MASS, Range::Positive, shape.map(|shape| shape.mass));
+    let of_mass = |shape: MassProperties| shape.inertia * mass.map_or(1.0, |mass| mass / shape.mass);
+    let inertia = row.quantity_unless("inertia", INERTIA, Range::Positive, shape.map(of_mass));
+    [mass, inertia]
 }
 
 fn free(row: &mut Section, points: &[Point], materials: &[MaterialRow]) -> Option<Motion> {
@@ -92,9 +101,10 @@ fn free(row: &mut Section, points: &[Point], materials: &[MaterialRow]) -> Optio
         None => Some(MassProperties { mass: 1.0, inertia: 1.0, centre_of_mass: [0.0; 2] }),
         Some(shape) => shape,
     };
+    let [of_mass, of_inertia] = mass_and_inertia(row, shape);
     record!(Motion::Free {
-        mass: row.quantity_unless("mass", MASS, Range::Positive, shape.map(|shape| shape.mass)),
-        inertia: row.quantity_unless("inertia", INERTIA, Range::Positive, shape.map(|shape| shape.inertia)),
+        mass: of_mass,
+        inertia: of_inertia,
         centre_of_mass: match shape {
             Some(shape) => row.pair_or("centre_of_mass", LENGTH, shape.centre_of_mass),
             None => row.pair("centre_of_mass", LENGTH),

@@ -51,10 +51,14 @@ pub(super) fn line_of_action(
     hinges: &[[Attachment; 2]],
     bodies: &[BodyRow],
 ) -> Result<Option<Mesh>, String> {
-    let is_rack = mesh.form == MeshForm::Rack;
-    let held = |at: &Attachment| bearing(hinges, bodies, at);
-    // A rack has no bearing.
-    let bearings = [if is_rack { None } else { held(places[0])? }, held(places[1])?];
+    // A rack has no bearing, and a wheel whose motion is given needs none.
+    let held = |k: usize| match bodies[places[k].body].motion {
+        Some(Motion::Free { .. }) if k == 1 || mesh.form != MeshForm::Rack => {
+            bearing(hinges, bodies, places[k])
+        }
+        _ => Ok(None),
+    };
+    let bearings = [held(0)?, held(1)?];
     let [a, b] = [0, 1].map(|k| start(bodies, places[k], bearings[k]));
     Option::zip(a, b).map(|(a, b)| in_place(mesh, a, b)).transpose()
 }
@@ -73,20 +77,19 @@ fn bearing(
         [other, own] if own == wheel => Some(other),
         _ => None,
     });
-    let mut fixed = None;
+    let mut moving = None;
     for place in others {
         match bodies[place.body].motion {
-            Some(Motion::Fixed) => fixed = fixed.or(Some(place.position)),
+            Some(Motion::Fixed) => return Ok(Some(place.position)),
             None => {}
-            Some(_) => {
-                return Err(format!(
-                    "the bearing of a wheel is on body \"{}\", which moves: the line of action is fixed, so both wheels turn on a fixed body",
-                    bodies[place.body].name
-                ));
-            }
+            Some(_) => moving = Some(&bodies[place.body].name),
         }
     }
-    Ok(fixed)
+    moving.map_or(Ok(None), |body| {
+        Err(format!(
+            "the bearing of a wheel is on body \"{body}\", which moves: the line of action is fixed, so both wheels turn on a fixed body"
+        ))
+    })
 }
 
 /// Position of a place [m] and angle of its body [rad] at the start, the position that of its `bearing` if it has one.

@@ -116,9 +116,7 @@ pub(super) fn magnitudes(scene: &Scene) -> Vec<Warning> {
         let warn: &mut Warn = &mut |key, message| warn(format!("joints.{}.{key}", joint.name), message);
         match &joint.kind {
             JointKind::Clearance(clearance) => of_hinge(clearance, warn),
-            JointKind::Guide(GuideClearance { wear: Some(wear), .. }) => {
-                of_wear(wear.coefficient, "slider_wear_coefficient", wear.slider_coefficient, warn);
-            }
+            JointKind::Guide(guide) => of_guide(guide, warn),
             JointKind::Mesh(mesh) => of_mesh(mesh, warn),
             _ => {}
         }
@@ -216,18 +214,30 @@ fn of_hinge(clearance: &Clearance, warn: &mut Warn) {
         let ratio = clearance.width / clearance.journal_radius;
         warn("width", format!("is {ratio:.0} times the journal radius: check the unit"));
     }
-    for (key, Material { elastic_modulus, .. }) in
-        [("journal_material", clearance.journal_material), ("bushing_material", clearance.bushing_material)]
-    {
-        if !within(elastic_modulus, MODULI) {
+    let materials = [&clearance.journal_material, &clearance.bushing_material];
+    of_materials(["journal_material", "bushing_material"], materials, warn);
+    let second = clearance.journal_wear_coefficient;
+    of_wear(clearance.wear_coefficient, "journal_wear_coefficient", second, warn);
+}
+
+fn of_guide(guide: &GuideClearance, warn: &mut Warn) {
+    let materials = [&guide.slider_material, &guide.guide_material];
+    of_materials(["slider_material", "guide_material"], materials, warn);
+    if let Some(wear) = &guide.wear {
+        of_wear(wear.coefficient, "slider_wear_coefficient", wear.slider_coefficient, warn);
+    }
+}
+
+/// Warns about the elastic moduli of two surfaces.
+fn of_materials(keys: [&str; 2], materials: [&Material; 2], warn: &mut Warn) {
+    for (key, Material { elastic_modulus, .. }) in keys.into_iter().zip(materials) {
+        if !within(*elastic_modulus, MODULI) {
             let message = format!(
                 "has an elastic modulus of {elastic_modulus:.3e} Pa; steel has 2.06e11 Pa = 206 GPa, plastics of bearings have 4e8 to 1e10 Pa"
             );
             warn(key, message);
         }
     }
-    let second = clearance.journal_wear_coefficient;
-    of_wear(clearance.wear_coefficient, "journal_wear_coefficient", second, warn);
 }
 
 /// Warns about the wear coefficients of two surfaces, the second of which has the key `second_key` if it is given [1/Pa].
@@ -292,5 +302,8 @@ mod tests {
             let warning = found.iter().find(|warning| warning.key.ends_with(key));
             assert!(warning.is_some(), "{to}: {found:?}");
         }
+        let guided = include_str!("../../tests/scenes/needle.toml").replace("\"105 GPa\"", "\"105 MPa\"");
+        let found = SceneSource::parse(&guided, "my.toml").unwrap().warnings();
+        assert!(found.iter().any(|warning| warning.key == "joints.bush.slider_material"), "{found:?}");
     }
 }

@@ -80,6 +80,9 @@ fn joints_have_the_defaults_of_their_scene() {
     let [warning] = &warnings(&geared.replace("\"50 mm\"", "\"60 mm\""))[..] else { panic!("one warning") };
     assert_eq!(warning.key, "joints.teeth.radius_a");
     assert!(warning.message.contains("overlap each other by 10.0000 mm"), "{warning}");
+    // What else turns on a wheel that a fixed body bears is no bearing.
+    let arm = "[[joints]]\nname = \"arm\"\ntype = \"revolute\"\na = { body = \"camshaft\", point = \"centre\" }\nb = { body = \"follower\", point = \"foot\" }\n";
+    assert!(SceneSource::parse(&format!("{geared}\n{arm}"), "geared-cam").is_ok());
     let planet = geared.replace(
         "bushing = { body = \"frame\", point = \"shaft\" }",
         "bushing = { body = \"follower\", point = \"foot\" }",
@@ -89,4 +92,21 @@ fn joints_have_the_defaults_of_their_scene() {
         faults.contains("joints.teeth: the bearing of a wheel is on body \"follower\", which moves"),
         "{faults}"
     );
+}
+
+#[test]
+fn issue_a_given_mass_had_the_inertia_of_another_one() {
+    let lift = include_str!("../scenes/lift-table.toml");
+    let arm = |mass: &str| {
+        let text = lift.replace("name = \"arm\"\n", &format!("name = \"arm\"\n{mass}\n"));
+        let source = SceneSource::parse(&text, "lift-table").unwrap_or_else(|faults| panic!("{faults}"));
+        match source.nominal().bodies[body(source.nominal(), "arm")].motion {
+            Motion::Free { mass, inertia, .. } => [mass, inertia],
+            _ => panic!("free"),
+        }
+    };
+    let ([own, of_own], [given, of_given]) = (arm(""), arm("mass = \"2 kg\""));
+    assert!(given == 2.0 && own > 10.0, "{own}");
+    same(&[of_given], &[of_own * (2.0 / own)]);
+    same(&arm("mass = \"2 kg\"\ninertia = \"3 kg m^2\""), &[2.0, 3.0]);
 }

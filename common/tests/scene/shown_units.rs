@@ -50,6 +50,23 @@ fn other_quantities_have_the_stated_unit() {
 }
 
 #[test]
+fn issue_pairs_and_axes_of_explanations_did_not_have_the_stated_unit() {
+    let said = |text: &str, units: &str| {
+        let source = SceneSource::parse(&format!("{text}\n{units}"), "my.toml").unwrap();
+        let scene = source.nominal();
+        let loads = scene.loads.iter().map(|load| load.explanation(scene));
+        loads
+            .chain(scene.joints.iter().filter_map(|joint| joint.kind.coupling(&scene.units)))
+            .collect::<Vec<_>>()
+    };
+    let (lift, cam) = (include_str!("../scenes/lift-table.toml"), include_str!("../scenes/geared-cam.toml"));
+    assert_eq!(said(lift, "")[0], "payload: force (0, -2000) N on arm");
+    assert_eq!(said(lift, "[units]\nforce = \"kN\"")[0], "payload: force (0 kN, -2 kN) on arm");
+    assert!(said(cam, "")[2].ends_with("along 90.000 deg"), "{:?}", said(cam, ""));
+    assert!(said(cam, "[units]\nangle = \"rad\"")[2].ends_with("along 1.5708 rad"));
+}
+
+#[test]
 fn issue_random_variables_did_not_have_the_stated_unit() {
     let unit = |units: &str, name: &str| {
         let source = four_bar("8 um", units).unwrap();

@@ -198,16 +198,23 @@ pub struct SceneFindings<'s> {
 fn of_hinges(scene: &Scene, evaluation: &Evaluation) -> Vec<Warning> {
     let mut found = Vec::new();
     for joint in &scene.joints {
-        let JointKind::Clearance(clearance) = &joint.kind else { continue };
+        let (clearance, sides) = match &joint.kind {
+            JointKind::Clearance(clearance) => (Some(clearance), "journal and bore"),
+            JointKind::Guide(_) => (None, "slider and guide"),
+            _ => continue,
+        };
         let warning = |message| Warning { key: format!("joints.{}", joint.name), message };
         let free = &evaluation.diagnostics.free_flight_fraction;
         if free.iter().any(|(name, share)| *name == joint.name && *share >= 1.0) {
-            let message = "journal and bore are never in contact in the first cycle, so that nothing is transmitted and nothing wears: \
-                           check which bodies and points it joins, the clearance, and the loads";
-            found.push(warning(message.to_owned()));
+            found.push(warning(format!(
+                "{sides} are never in contact in the first cycle, so that nothing is transmitted and nothing wears: check which bodies and points it \
+                 joins, the clearance, and the loads"
+            )));
         }
         let peak = evaluation.joints.iter().find(|summary| summary.name == joint.name);
-        let Some(force) = peak.map(|summary| summary.peak_force) else { continue };
+        let Some((clearance, force)) = clearance.zip(peak.map(|summary| summary.peak_force)) else {
+            continue;
+        };
         let pressure = force / (2.0 * clearance.journal_radius * clearance.width);
         let modulus =
             clearance.journal_material.elastic_modulus.min(clearance.bushing_material.elastic_modulus);
@@ -358,6 +365,11 @@ mod tests {
         assert!(found[0].message.contains("never in contact"), "{found:?}");
         // 9 MN on 8 mm times 10 mm.
         assert!(found[1].message.contains("112500 MPa"), "{found:?}");
+        let needle = include_str!("../../../common/tests/scenes/needle.toml");
+        let guided = SceneSource::parse(needle, "needle").expect("valid");
+        evaluation.diagnostics.free_flight_fraction = vec![("bush".to_owned(), 1.0)];
+        let found = of_hinges(guided.nominal(), &evaluation);
+        assert!(found.len() == 1 && found[0].message.starts_with("slider and guide are never"), "{found:?}");
     }
 
     #[test]

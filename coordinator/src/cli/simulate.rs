@@ -149,7 +149,10 @@ impl Simulated<'_> {
         let Self { scene, evaluation, .. } = self;
         let mut summary = blank(scene, &Settings::from(scene.study));
         summary.control_points = control_points_rows(scene, &evaluation.diagnostics);
-        let input = ReportInput::of_one(scene, summary, Some((*evaluation).clone()));
+        let mut input = ReportInput::of_one(scene, summary, Some((*evaluation).clone()));
+        let more: Vec<String> =
+            self.cautions.iter().filter(|caution| !input.notes.contains(caution)).cloned().collect();
+        input.notes.splice(0..0, more);
         let set =
             if set.is_empty() { "every random variable at its mean".to_owned() } else { set.join(", ") };
         let facts = [

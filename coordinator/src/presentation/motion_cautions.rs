@@ -8,7 +8,8 @@
 use super::format::{count, three_digits};
 use crate::results::summary_rows::{ControlPointsRow, control_points_rows};
 use common::outputs::{CycleHistory, Diagnostics, EnergyBalance, Evaluation, UnsettledMotion};
-use common::scene::{Joint, JointKind, Mesh, MeshForm, Scene, Warning};
+use common::scene::{Attachment, Joint, JointKind, Mesh, MeshForm, Scene, Warning};
+use std::f64::consts::{PI, TAU};
 
 /// Share of the energy of a cycle from which on such work is pointed out [1]: the nominal `flapping-wing` has 0.001.
 const NOTABLE: f64 = 0.01;
@@ -16,7 +17,7 @@ const NOTABLE: f64 = 0.01;
 const NEGLIGIBLE: f64 = 1e-4;
 /// Share of the largest force of all joints below which a force is one of rounding [1].
 const ROUNDING: f64 = 1e-9;
-/// Angle by which a rack may turn in its guides [rad].
+/// Angle by which a rack or the line between the centres of two wheels may turn [rad].
 const LARGEST_TURN: f64 = 0.01;
 
 /// All cautions about the simulation of one mechanism, each with the key of the scene that it belongs to: about its motion, and about outputs
@@ -33,7 +34,7 @@ pub fn motion_cautions(scene: &Scene, evaluation: &Evaluation) -> Vec<Warning> {
     of_diagnostics(&evaluation.diagnostics).into_iter().chain(of_couplings).collect()
 }
 
-/// The cams, gears, racks and belts whose contact cannot transmit a force of a cycle, and the racks that turn.
+/// The cams, gears, racks and belts whose contact cannot transmit a force of a cycle, and those whose line of action turns.
 fn of_couplings(scene: &Scene, cycle: &CycleHistory) -> Vec<Warning> {
     let angle_of = |body: usize| {
         let name = &scene.bodies[body].name;
@@ -53,17 +54,29 @@ fn of_couplings(scene: &Scene, cycle: &CycleHistory) -> Vec<Warning> {
         let message = format!("{what} with up to {pull} N, at {degrees:.0} deg of {body}: {remedy}");
         (-least > (NEGLIGIBLE * largest(force)).max(ROUNDING * of_all)).then_some(message)
     };
+    let motion_of = |body: usize| cycle.motion.iter().find(|motion| motion.body == scene.bodies[body].name);
+    let place = |at: &Attachment, k: usize| {
+        let Some(motion) = motion_of(at.body) else { return at.position };
+        let ([x, y], (sin, cos), [px, py]) = (motion.position[k], motion.angle[k].sin_cos(), at.position);
+        [x + cos * px - sin * py, y + sin * px + cos * py]
+    };
     let turned = |joint: &Joint| {
-        let JointKind::Mesh(Mesh { form: MeshForm::Rack, .. }) = joint.kind else { return None };
-        let angles = angle_of(joint.journal.body)?;
-        let range = |(low, high): (f64, f64), angle: &f64| (low.min(*angle), high.max(*angle));
-        let (low, high) = angles.iter().fold((f64::INFINITY, f64::NEG_INFINITY), range);
-        let turn = high - low;
+        let JointKind::Mesh(Mesh { form, .. }) = joint.kind else { return None };
+        let is_rack = form == MeshForm::Rack;
+        let direction = |k: usize| match (is_rack, motion_of(joint.journal.body)) {
+            (true, motion) => motion.map_or(0.0, |motion| motion.angle[k]),
+            (false, _) => {
+                let (a, b) = (place(&joint.journal, k), place(&joint.bushing, k));
+                (b[1] - a[1]).atan2(b[0] - a[0])
+            }
+        };
+        let off = |k: usize| (direction(k) - direction(0) + PI).rem_euclid(TAU) - PI;
+        let turn = (0..cycle.time.len()).map(|k| off(k).abs()).fold(0.0, f64::max);
+        let what = if is_rack { "the rack" } else { "the line of centres of" };
         let message = || {
-            let turn = turn.to_degrees();
-            let name = &joint.name;
+            let (name, turn) = (&joint.name, turn.to_degrees());
             format!(
-                "the rack {name} turns by {turn:.1} deg, but its axis stays that of the start: its body has to keep its angle"
+                "{what} {name} turns by {turn:.1} deg, but its line of action stays that of the start: the forces of its bearings are others"
             )
         };
         (turn > LARGEST_TURN).then(message)
@@ -266,10 +279,12 @@ mod tests {
             let source = SceneSource::parse(text, "coupled").unwrap_or_else(|faults| panic!("{faults}"));
             let motion = |body: &str, angles: [f64; 3]| BodyMotion {
                 body: body.into(),
+                position: vec![[0.075, 0.0], [0.075, 0.075 * turn], [0.075, 0.0]],
                 angle: angles.into(),
                 ..BodyMotion::default()
             };
             let cycle = CycleHistory {
+                time: vec![0.0, 1.0, 2.0],
                 joint_force: vec![
                     ("teeth".into(), teeth.into()),
                     ("lift".into(), lift.into()),
@@ -286,7 +301,7 @@ mod tests {
                 .collect()
         };
         let (pushes, rounding) = ([5.0, 9.0, 2.0], [-1e-7, -9e-4, 2e-4]);
-        assert!(said(text, pushes, rounding, 1.0).is_empty());
+        assert!(said(text, pushes, rounding, 0.005).is_empty());
         for (text, teeth, lift, turn, words) in [
             (
                 text,
@@ -310,6 +325,7 @@ mod tests {
                 "the strand of teeth on the left of the line from a to b pushes with up to 4.00 N",
             ),
             (&rack, pushes, pushes, 0.1, "the rack teeth turns by 5.7 deg"),
+            (text, pushes, pushes, 0.1, "the line of centres of teeth turns by 5.7 deg"),
         ] {
             let found = said(text, teeth, lift, turn);
             assert!(found.len() == 1 && found[0].starts_with(words), "{words}: {found:?}");

@@ -99,6 +99,9 @@ fn every_coupling_rope_and_stop_is_shown_and_drawn() {
         assert!(std::fs::read_to_string(&drawing).unwrap().contains("</svg>"));
         let found = printed(&["check", &file]);
         assert!(found.contains("\nnominal worn: ") && !found.contains("pulls"), "{found}");
+        // A rack to and fro, and a cam that drives its motor on the way down.
+        let both_flanks = ["feeder", "roller-cam"].contains(&name);
+        assert_eq!(found.contains("the teeth of teeth are loaded on the flank"), both_flanks, "{found}");
     }
 }
 
@@ -109,7 +112,7 @@ fn issue_a_cam_that_has_to_pull_its_follower_passed_without_a_word() {
     let found = printed(&[&["check", &cam], &fast[..]].concat());
     let warning = found.lines().find(|line| line.contains("warning: joints.roller: ")).expect("a warning");
     // k (y - 20 mm) + m (g + y''), at three quarters of the rise or a quarter of the fall.
-    assert!(warning.contains("the cam pulls its follower with up to 13."), "{warning}");
+    assert!(warning.contains("the cam roller pulls its follower with up to 13."), "{warning}");
     assert!(
         warning.contains(" N, at 90 deg of cam") || warning.contains(" N, at 210 deg of cam"),
         "{warning}"

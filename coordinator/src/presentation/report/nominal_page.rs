@@ -47,6 +47,7 @@ pub fn page(input: &ReportInput, facts: &[(&str, String)], source: &str) -> Page
 /// Adds limits, and the drawing beside the outputs over life.
 fn begin(page: &mut Page, input: &ReportInput, drawing: Option<&Figure>) {
     page.add(limits(input));
+    page.add(chapters::notes(input));
     let drawing = studied::figure(input).or_else(|| drawing.cloned());
     let drawn = drawing.into_iter().chain(studied::loads(input)).chain(figures::histories(input));
     let drawn = page.draw(drawn, "two");
@@ -71,7 +72,13 @@ fn limits(input: &ReportInput) -> Markup {
             limit.name.clone(),
             output.name.clone(),
             of(&|life| life.unworn.map(shown)),
-            of(&|life| Some(shown(life.last))),
+            of(&|life| {
+                let error = Some(life.errors[1]).filter(|error| *error > 0.0);
+                Some(
+                    shown(life.last)
+                        + &error.map_or(String::new(), |error| format!(" \u{b1} {}", shown(error))),
+                )
+            }),
             joined(limit.thresholds().into_iter().map(shown), " to "),
             of(&|life| life.margin_in_words()),
             of(&|life| Some(life.reached.life().map_or("beyond the life studied".to_owned(), whole))),
@@ -98,7 +105,10 @@ mod tests {
         assert!(text.contains("limits-now") && text.contains(UNKNOWN), "{text}");
         assert!(!text.contains("history-wear"), "there is no history yet");
 
-        let input = ReportInput::of_one(scene, summary, test_study::report_input().nominal);
+        let mut input = ReportInput::of_one(scene, summary, test_study::report_input().nominal);
+        input.notes.push("the cam pulls".into());
+        let nominal = input.nominal.as_mut().expect("an evaluation");
+        nominal.errors = nominal.histories.iter().map(|history| vec![1.25e-3; history.len()]).collect();
         let facts = [("accuracy", "draft".to_owned())];
         let page = page(&input, &facts, "gravity = 0").html(None);
         for piece in [
@@ -107,6 +117,8 @@ mod tests {
             "Worn bores",
             "First and last cycle",
             "id=\"motion\"",
+            "<strong>Caution:</strong> The cam pulls.",
+            " \u{b1} 1.25",
             "draft",
         ] {
             assert!(page.contains(piece), "no {piece}");

@@ -293,8 +293,13 @@ fn lead(page: &mut Page, input: &ReportInput) {
                 div.says { @for sentence in words::sentences(input) { p { (sentence) } } }
             }
         }
-        div.says { @for note in &input.notes { p.note { strong { "Caution:" } " " (sentence(note)) } } }
+        (notes(input))
     });
+}
+
+/// The cautions of a page, each a sentence.
+pub fn notes(input: &ReportInput) -> Markup {
+    html! { div.says { @for note in &input.notes { p.note { strong { "Caution:" } " " (sentence(note)) } } } }
 }
 
 /// Largest depths of both faces of each guide that wears and of its slider; nothing without any.
