@@ -93,4 +93,6 @@ fn issue_units_of_a_study_of_designs_had_a_design_drawn_at_random() {
     std::fs::write(&units, "A,5000,survived\n").unwrap();
     let message = refused(&["learn", &study, "--data", &units], 2);
     assert!(message.contains("clearance_crank follows clearance"), "{message}");
+    let compared = crate::coordinator(&["compare", &study, &study]);
+    assert!(String::from_utf8_lossy(&compared.stderr).contains("drawn at random"), "{compared:?}");
 }
