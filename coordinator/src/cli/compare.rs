@@ -63,7 +63,13 @@ fn destination(out: &Path) -> Done<(PathBuf, String)> {
 }
 
 fn study((dir, name): (&PathBuf, String)) -> Done<ComparedStudy> {
-    Ok(ComparedStudy { name, summary: summary_of(&CampaignFile::look(dir)?)? })
+    let summary = summary_of(&CampaignFile::look(dir)?)?;
+    if !summary.designs.is_empty() {
+        tracing::warn!(
+            "{name}: the curves are those of a design drawn at random: `coordinator designs` compares designs"
+        );
+    }
+    Ok(ComparedStudy { name, summary })
 }
 
 /// Gains of all studies but the first, per curve and level; none for studies of a single checkpoint.

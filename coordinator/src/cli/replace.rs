@@ -77,7 +77,7 @@ fn cost_or_zero(text: &str) -> Result<f64, String> {
 pub fn replace(arguments: &ReplaceArguments, as_json: bool) -> Done {
     let costs = ReplacementCosts { planned: arguments.planned_cost, failure: arguments.failure_cost };
     check_costs(&costs).map_err(CommandError::bad_input)?;
-    let opened = OpenedStudy::open(&arguments.dir, false)?;
+    let opened = OpenedStudy::of_units(&arguments.dir)?;
     let OpenedStudy { study, summary, .. } = &opened;
     let confidence = arguments.confidence;
     let demand = arguments.reliability.map(|reliability| (reliability, confidence));
@@ -85,7 +85,7 @@ pub fn replace(arguments: &ReplaceArguments, as_json: bool) -> Done {
         age_of_replacement(summary, &arguments.curve, &costs, demand).map_err(CommandError::bad_input)?;
     if !(arguments.inspect_every.is_empty() && arguments.inspect_at.is_empty()) {
         let plan = plan(arguments, study.scene())?;
-        report.inspections = inspect(study.scene(), &opened.life_model()?, &plan, study.settings.seed)
+        report.inspections = inspect(study.scene(), &opened.model_of_units()?, &plan, study.settings.seed)
             .map_err(CommandError::bad_input)?;
     }
     answer_with(&answer(&report, study.scene()), &report, arguments.out.as_ref(), as_json)

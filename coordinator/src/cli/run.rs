@@ -211,8 +211,8 @@ fn say_what_is_done(study: &StoredStudy, extended: &Settings) -> Done {
     }
     if extended.larger_populations != study.settings.larger_populations {
         print_message(format_args!(
-            "the population grows to {} points once learning has ended on the present one: all results are used, where a \
-             new study of that size would choose other points",
+            "the population grows to {} points once learning has ended on the present one, unless failures are so rare that it is \
+             conditional: all results are used, where a new study of that size would choose other points",
             extended.population()
         ));
     }

@@ -12,6 +12,7 @@ use coordinator::results::store::{
     CampaignFile, FILE_NAME, FurtherEvaluations, StoreError, StoredEvaluation,
 };
 use coordinator::results::summary::StudySummary;
+use coordinator::statistics::design::InputModel;
 use coordinator::statistics::updating::ConfidentReliability;
 use coordinator::study::{
     Correction, FurtherLearning, LifeModel, Method, Observed, Settings, StoredOutcome, StudyError,
@@ -132,6 +133,34 @@ impl OpenedStudy {
     pub fn open(dir: &Path, simulates: bool) -> Done<Self> {
         let campaign = if simulates { CampaignFile::open(dir)? } else { CampaignFile::look(dir)? };
         Self::of(StoredStudy::read(campaign)?)
+    }
+
+    /// Opens the folder of a study of which units are known or decided. With design variables its result is that of the design that
+    /// the scene itself has: the study's own is that of a design drawn at random.
+    ///
+    /// # Errors
+    /// As [`OpenedStudy::open`], or [`CommandError::Study`].
+    pub fn of_units(dir: &Path) -> Done<Self> {
+        let mut opened = Self::open(dir, false)?;
+        if let Some(space) = &opened.space {
+            let keys: Vec<&str> = space.variables.iter().map(|variable| variable.key.as_str()).collect();
+            tracing::warn!(
+                "this study has design variables: the answer is for {} of its scene",
+                keys.join(", ")
+            );
+            let present = opened.present()?;
+            opened.summary = opened.ask(&present, &present)?.before;
+        }
+        Ok(opened)
+    }
+
+    /// The predictor of lives of units: that of the study, with design variables at the design that the scene itself has.
+    ///
+    /// # Errors
+    /// As [`OpenedStudy::life_model`].
+    pub fn model_of_units(&self) -> Done<LifeModel> {
+        let inputs = InputModel::from_scene(self.present()?.nominal());
+        Ok(self.life_model()?.redistributed(inputs))
     }
 
     /// The study of an open campaign file.

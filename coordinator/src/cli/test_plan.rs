@@ -1,7 +1,7 @@
 //! `coordinator test-plan`: units and cycles of a test that demonstrates a reliability.
 
 use super::shared::{above_zero, within};
-use super::{CommandError, Destination, Done, StoredStudy, answer_with, probability, summary_of};
+use super::{CommandError, Destination, Done, OpenedStudy, answer_with, probability};
 use clap::Args;
 use coordinator::analyses::test_plan::{TestPlanQuestion, answer, plan};
 use std::path::PathBuf;
@@ -64,8 +64,12 @@ pub struct TestPlanArguments {
 /// # Errors
 /// [`CommandError`].
 pub fn test_plan(arguments: &TestPlanArguments, as_json: bool) -> Done {
-    let summary =
-        arguments.dir.as_ref().map(|dir| summary_of(&StoredStudy::look(dir)?.campaign)).transpose()?;
+    let summary = arguments
+        .dir
+        .as_ref()
+        .map(|dir| OpenedStudy::of_units(dir))
+        .transpose()?
+        .map(|opened| opened.summary);
     let question = TestPlanQuestion {
         reliability: arguments.reliability,
         at: arguments.at,

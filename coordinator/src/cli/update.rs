@@ -53,8 +53,8 @@ const KEPT: f64 = 0.025;
 /// # Errors
 /// [`super::CommandError`].
 pub fn update(arguments: &UpdateArguments, as_json: bool) -> Done {
-    let opened = OpenedStudy::open(&arguments.dir, false)?;
-    let model = opened.life_model()?;
+    let opened = OpenedStudy::of_units(&arguments.dir)?;
+    let model = opened.model_of_units()?;
     let OpenedStudy { study, summary, .. } = &opened;
     let units = read_fleet(&arguments.measured, &study.source, &model, None)?.units;
     let mut settings = FleetSettings::new(study.settings.seed);

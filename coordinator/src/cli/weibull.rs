@@ -1,6 +1,6 @@
 //! `coordinator weibull`: the Weibull distribution of lives of a population, beside the reliability of a study.
 
-use super::{CommandError, Destination, Done, StoredStudy, answer_with, probability, summary_of};
+use super::{CommandError, Destination, Done, OpenedStudy, answer_with, probability};
 use clap::Args;
 use coordinator::analyses::weibull::{LifeQuestion, WeibullReport, answer, json, read_lives};
 use std::path::PathBuf;
@@ -50,7 +50,8 @@ pub struct WeibullArguments {
 /// [`CommandError`].
 pub fn weibull(arguments: &WeibullArguments, as_json: bool) -> Done {
     let WeibullArguments { file, study, mode, reliability, confidence, out } = arguments;
-    let summary = study.as_ref().map(|dir| summary_of(&StoredStudy::look(dir)?.campaign)).transpose()?;
+    let summary =
+        study.as_ref().map(|dir| OpenedStudy::of_units(dir)).transpose()?.map(|opened| opened.summary);
     let end = summary.as_ref().and_then(|summary| summary.reliability.last());
     let question = LifeQuestion {
         mode: mode.as_deref(),

@@ -123,6 +123,16 @@ pub fn power(value: f64, decimals: usize) -> String {
     format!("{value:.decimals$e}").replace('-', "\u{2212}")
 }
 
+/// A reliability with these decimals; so near to one that they do not show its distance, with three digits of that.
+pub fn near_one(r: f64, decimals: usize) -> String {
+    let (distance, resolved) = (1.0 - r, 0.5 * 0.1f64.powi(decimals as i32));
+    if distance > 0.0 && distance < resolved {
+        format!("1 \u{2212} {}", power(distance, 2))
+    } else {
+        format!("{r:.decimals$}")
+    }
+}
+
 /// A number with three significant digits, in powers of ten where it is far from one.
 pub fn three_digits(value: f64) -> String {
     match value.abs() {
@@ -280,6 +290,11 @@ mod tests {
     fn numbers_read_as_people_write_them() {
         assert_eq!(count(64_000), "64\u{a0}000");
         assert_eq!(count(999), "999");
+        let near = [0.5, 0.9999, 0.99996, 1.0 - 1.46e-9, 1.0].map(|r| near_one(r, 4));
+        assert_eq!(
+            near,
+            ["0.5000", "0.9999", "1 \u{2212} 4.00e\u{2212}5", "1 \u{2212} 1.46e\u{2212}9", "1.0000"]
+        );
         assert_eq!([1, 2000].map(number_of_cycles), ["1 cycle", "2\u{a0}000 cycles"]);
         assert_eq!(count(1_234_567), "1\u{a0}234\u{a0}567");
         assert_eq!(fixed(-0.0001, 2), "0.00");

@@ -2,7 +2,8 @@
 //! failures that no simulation has met.
 
 use super::campaign_tests::{learn_by, learn_from};
-use super::{CampaignResult, Observed, StopReason};
+use super::stopped::targets_met;
+use super::{CampaignResult, Observed, Settings, StopReason};
 use crate::results::summary::ReliabilityRange;
 use crate::statistics::design::InputModel;
 use crate::statistics::learning::StoppingTargets;
@@ -76,4 +77,8 @@ fn issue_a_linear_response_far_from_its_limit_had_a_bound_by_accident() {
     let learned = learn(|x| (x[0] + x[1]) / 2f64.sqrt(), 5.0, 1);
     let ((least, most), truth) = (interval(&learned), standard_normal_cdf(-5.0));
     assert!(least < truth && truth < most && most < 1.5 * truth, "{least} {truth} {most}");
+    // It meets a half width that it has, and no smaller one.
+    let settings = |h| Settings { target_error: Some(h), ..Settings::default() };
+    let met = [1e-6, 1e-12].map(|h| targets_met(&learned, &settings(h)));
+    assert_eq!(met, [true, false]);
 }

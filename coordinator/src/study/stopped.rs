@@ -8,11 +8,12 @@ use common::scene::Scene;
 
 /// Half width [1] that the sampling of the population alone gives R where it is widest, if that is more than the whole one asked for.
 fn sampling_beyond(learned: &CampaignResult, settings: &Settings) -> Option<f64> {
-    let (target, points) = (settings.target_error?, learned.classified.population.len() as f64);
-    let is_conditional = learned.classified.condition.levels > 0;
-    let widths = learned.assessment.curves.iter().flatten().map(|p| REACH * (p * (1.0 - p) / points).sqrt());
-    let widest = widths.fold(0.0, f64::max);
-    (!is_conditional && widest > target).then_some(widest)
+    let (target, classified) = (settings.target_error?, &learned.classified);
+    let half_width = |failed: &f64| {
+        REACH * classified.condition.probability * failed * classified.coefficient_of_variation(*failed)
+    };
+    let widest = learned.assessment.curves.iter().flatten().map(half_width).fold(0.0, f64::max);
+    (widest > target).then_some(widest)
 }
 
 /// Whether learning ended by a rule, with a population large enough for the interval asked for, and with failures enough for the coefficient of variation asked for, or for the share of the
@@ -119,9 +120,11 @@ pub(super) fn stop_in_words(scene: &Scene, learned: &CampaignResult, settings: &
     if let Some(width) = sampling_beyond(learned, settings) {
         let points = learned.classified.population.len();
         reason += &format!(
-            "; the sampling of the {points} points alone gives R a half width of {width:.4}, more than the one asked for: take more \
-             points by --samples"
+            "; the sampling of the {points} points alone gives R a half width of {width:.1e}, more than the one asked for"
         );
+        if condition.levels == 0 {
+            reason += ": take more points by --samples";
+        }
     }
     let system = &learned.assessment.curves[learned.assessment.curves.len() - 1];
     let cov = learned.rounds.last().map_or(f64::INFINITY, |round| round.cov_pf);

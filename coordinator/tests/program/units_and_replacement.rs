@@ -65,3 +65,34 @@ fn a_study_answers_for_units_and_replacement() {
         assert!(message.contains(allowed), "{arguments:?}: {message}");
     }
 }
+
+/// The study's own curves are those of a design drawn at random between 18 and 28 um; the scene has 30 um.
+#[test]
+fn issue_units_of_a_study_of_designs_had_a_design_drawn_at_random() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (study, units) = (at("study"), at("units.csv"));
+    let run = "run four-bar --accuracy draft --samples 4000 --initial 16 --max-evaluations 24 --quiet --out";
+    let design = ["--design", "parameters.clearance=18 um..28 um"];
+    crate::printed(&run.split(' ').chain([study.as_str()]).chain(design).collect::<Vec<_>>());
+    let present = json(&["what-if", &study, "--json"])["before"]["reliability"].clone();
+    std::fs::write(&units, "A,0,survived\n").unwrap();
+    let fleet = json(&["update", &study, "--measured", &units, "--json"]);
+    let replaced = json(&["replace", &study, "--failure-cost", "10", "--json"]);
+    assert_eq!([&fleet["reliability"], &replaced["reliability"]], [&present; 2]);
+    // A unit of which nothing is known has the reliability of that design.
+    let total = |rows: &Value, cycles: u64| {
+        let row = rows.as_array().unwrap().iter().find(|row| row["cycles"] == cycles).unwrap();
+        row["total"].as_f64().unwrap()
+    };
+    let of_unit = &fleet["units"][0]["reliability"];
+    for cycles in [5000, 6000, 7000] {
+        let [unit, of_design] = [of_unit, &present].map(|rows| total(rows, cycles));
+        assert!((unit - of_design).abs() < 0.03, "{cycles}: {unit} {of_design}");
+    }
+    std::fs::write(&units, "A,5000,survived\n").unwrap();
+    let message = refused(&["learn", &study, "--data", &units], 2);
+    assert!(message.contains("clearance_crank follows clearance"), "{message}");
+    let compared = crate::coordinator(&["compare", &study, &study]);
+    assert!(String::from_utf8_lossy(&compared.stderr).contains("drawn at random"), "{compared:?}");
+}

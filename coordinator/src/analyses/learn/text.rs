@@ -66,7 +66,7 @@ pub fn answer(report: &LearnReport) -> Answer {
     let subject = "Reliability with what differs between units and what is not known of them";
     Answer {
         name: "learn".to_owned(),
-        title: format!("What {} of {} say of their population", counted_units(report.units), report.scene),
+        title: format!("The population of {} by {}", report.scene, counted_units(report.units)),
         subtitle: format!("{subject} apart; {added}"),
         parts,
         files: vec![("reliability.csv".to_owned(), reliability_csv(confident))],

@@ -2,7 +2,7 @@
 
 use super::{DemandedAge, InspectionRow, RateRow, ReplacementReport, Stated};
 use crate::presentation::report::answer::{Answer, AnswerPart, Table};
-use crate::presentation::report::format::{percent, short_percent};
+use crate::presentation::report::format::{near_one, percent, short_percent};
 use crate::results::life_summary::{CyclesRange, LifeRow};
 use crate::statistics::replacement::PolicyOutcome;
 use common::scene::Scene;
@@ -38,7 +38,7 @@ fn numbers(report: &ReplacementReport) -> Vec<Vec<String>> {
     let (at_least, at_most) = if report.mean_life_is_bound { ("at least ", "at most ") } else { ("", "") };
     let rates = [&report.run_to_failure, &report.cost_rate];
     let [failures, cost] = rates.map(|rate| rate.shown(|x| format!("{x:.4e}")));
-    let r = report.reliability_at_age.shown(|r| format!("{r:.4}"));
+    let r = report.reliability_at_age.shown(|r| near_one(r, 4));
     let mut rows = Vec::new();
     let mut add = |name: &str, text: String| rows.push(vec![name.to_owned(), text]);
     if report.no_minimum {

@@ -2,7 +2,7 @@
 
 use super::{GroupRow, PlanRow, PriorRow, TestPlanReport};
 use crate::presentation::report::answer::{Answer, AnswerPart, Table};
-use crate::presentation::report::format::{count, percent, significant, three_digits, whole};
+use crate::presentation::report::format::{count, near_one, percent, significant, three_digits, whole};
 
 /// The plans as an answer.
 pub fn answer(report: &TestPlanReport) -> Answer {
@@ -75,8 +75,9 @@ fn assumptions(report: &TestPlanReport, has_inspections: bool) -> Vec<String> {
     notes.extend(has_inspections.then(|| inspections.to_owned()));
     if let Some(prior) = &report.prior {
         let PriorRow { scene, reliability: [r, lower, upper], survived, failed, confidence } = prior;
+        let [r, lower, upper] = [r, lower, upper].map(|r| near_one(*r, 5));
         notes.push(format!(
-            "Prior by the study of {scene}: R = {r:.5} ({lower:.5} to {upper:.5}), as Beta({}, {}), worth {} units; without any test \
+            "Prior by the study of {scene}: R = {r} ({lower} to {upper}), as Beta({}, {}), worth {} units; without any test \
              R >= R0 with {}. The interval contains the errors of the simulations, not those of the model and of what is not known of \
              its inputs: --prior-units limits what it is worth.",
             three_digits(*survived),

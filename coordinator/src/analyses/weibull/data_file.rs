@@ -107,6 +107,9 @@ fn add(row: &mut Section, word: &'static str, question: &LifeQuestion<'_>, units
         }
         mode.map(str::to_owned)
     };
+    if state != "interval" && row.get("from").is_some() {
+        row.inconsistent("from", "allowed with the state interval alone");
+    }
     match state {
         "running" | "survived" => unit.survived = unit.survived.max(cycles),
         "failed" => {
@@ -181,7 +184,7 @@ mod tests {
         let known = ["wear".to_owned()];
         let question = LifeQuestion { mode: Some("wear"), known: Some(&known), end: 9000.0 };
         let text = "unit,cycles,state,mode,from\nA,0,running\nA,5,stopped\nA,9001,failed,wear\nB,50,failed,waer\nC,50,failed\n\
-            D,50,interval,wear,60\nB,60,running\nE,50,interval,wear\n,5,running\n";
+            D,50,interval,wear,60\nB,60,running\nE,50,interval,wear\n,5,running\nF,50,failed,wear,40\n";
         let found = faults(text, &question).join("\n");
         for says in [
             "fleet.csv:2:3",
@@ -194,6 +197,7 @@ mod tests {
             "unit B has a row already",
             "fleet.csv:9",
             "fleet.csv:10",
+            "allowed with the state interval alone",
         ] {
             assert!(found.contains(says), "{says}: {found}");
         }

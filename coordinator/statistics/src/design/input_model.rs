@@ -35,13 +35,15 @@ impl InputModel {
     }
 
     /// The same variables, standardised as those of `other`, a model of the same dimension: a point then has the same
-    /// coordinates under both models, whatever their distributions. A variable that is constant in `other` keeps its own
-    /// scale, and one that may become negative where `other` has its logarithm its own coordinate.
+    /// coordinates under both models, whatever their distributions. A variable that is constant in `other`, and has not its
+    /// coordinate from a third model, keeps its own scale, and one that may become negative where `other` has its logarithm its own coordinate.
     pub fn standardised_as(mut self, other: &Self) -> Self {
         assert_eq!(self.dimension(), other.dimension(), "both models have the same variables");
         for (k, own) in self.coordinates.iter_mut().enumerate() {
             let before = other.coordinates[k];
-            if !other.variables[k].is_constant() && before.fits(&self.variables[k]) {
+            let is_scaled =
+                !other.variables[k].is_constant() || before != Coordinate::of(&other.variables[k]);
+            if is_scaled && before.fits(&self.variables[k]) {
                 *own = before;
             }
         }
@@ -168,6 +170,9 @@ mod tests {
         let x = after.from_uniforms(&[0.2, 0.7, 0.9, 0.4]);
         let (z, of_before) = (after.standardise(&x), before.standardise(&x));
         assert_eq!([z[0], z[1], z[3]], [of_before[0], of_before[1], of_before[3]]);
+        // A constant that has its coordinate from the first model hands it on.
+        let again = InputModel::new(after.variables.clone(), before.copula.clone()).standardised_as(&after);
+        assert_eq!(again.standardise(&x), z);
         // A constant of the other model has no scale.
         assert!((z[2] - (x[2] - 4.0) / 2.0).abs() < 1e-15);
         for (x, again) in x.iter().zip(after.to_physical(&z)) {

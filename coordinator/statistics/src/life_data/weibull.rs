@@ -35,7 +35,7 @@ const FARTHEST: f64 = 64.0;
 /// The likelihood of these data has no maximum.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[error(
-    "no Weibull distribution has the largest likelihood with {failed} failures at these lives; allowed: failures at different lives, or \
+    "no Weibull distribution has the largest likelihood with the {failed} failed units at these lives; allowed: failures at different lives, or \
      one and a unit that has run longer"
 )]
 pub struct NoMaximum {
