@@ -13,7 +13,7 @@
 //! harder as their facets grow inwards.
 //!
 //! Samples of nearly the same contact are replaced by their mean, weighted with their work: those with the same halves of faces in contact, F / N and M / (N l / 2), N = max(|F|, |M| / (l / 2)), in the
-//! same cell of [`PLACE`], N between two powers of [`LEVEL`], and s in the same quarter of the distance of two control points.
+//! same cell of [`PLACE`], N between two powers of [`LEVEL`], and where the guide wears s in the same quarter of the distance of two control points.
 //!
 //! Valid for mild sliding wear with a constant K; wear never decreases.
 //!
