@@ -51,7 +51,8 @@ pub struct RailLayout {
     pub half_length: f64,
     /// Width of the contact [m].
     pub width: f64,
-    /// True if the slider has depths.
+    /// True if the guide wears, and if the slider does and has depths.
+    pub guide_wears: bool,
     pub slider_wears: bool,
 }
 
@@ -70,6 +71,7 @@ impl RailLayout {
             elements: elements.clamp(ELEMENTS.0, ELEMENTS.1),
             half_length,
             width: guide.width,
+            guide_wears: of_guide > 0.0,
             slider_wears: of_slider > 0.0,
         }
     }
@@ -171,6 +173,9 @@ impl RailFaces {
     /// Depth of a face of the guide at the place `s` along it [m], and its first and second derivative along it [1, 1/m].
     #[inline(always)]
     pub(crate) fn guide_depth(&self, face: usize, s: f64) -> [f64; 3] {
+        if !self.layout.guide_wears {
+            return [0.0; 3];
+        }
         let (k, fraction) = self.layout.place(s);
         let cubic = &self.guide[face][k];
         let per_spacing = 1.0 / self.layout.spacing();
@@ -236,6 +241,7 @@ mod tests {
             elements: 4,
             half_length: 0.025,
             width: 0.02,
+            guide_wears: true,
             slider_wears: true,
         }
     }
@@ -295,6 +301,7 @@ mod play_tests {
             elements: 5,
             half_length: HALF,
             width: 0.02,
+            guide_wears: true,
             slider_wears: true,
         })
     }

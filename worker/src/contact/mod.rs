@@ -64,7 +64,7 @@ pub use journal_table::{Journal, Surfaces};
 pub use law_lanes::LawLanes;
 pub use local_hertz::{LocalHertz, PolarEccentricity, Walls};
 pub use pad::{GuideReaction, PADS};
-pub(crate) use pad::{PadForce, pad_force};
+pub(crate) use pad::{PadForce, foundation, pad_force};
 pub(crate) use rotated_arc::SegmentParts;
 pub use surface::{ForceSlopes, JointForce, JointMotion, Restitution, Surface, hertz_stiffness};
 pub(crate) use surface::{coulomb, equivalent_penetration, initial_damping};

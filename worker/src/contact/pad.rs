@@ -40,10 +40,10 @@ pub struct PadForce<R = f64> {
     pub lost: R,
 }
 
-/// Forces of a pad of the stiffness `unit` = kappa l / 6 [N/m] and damping factor `damping` [s/m], whose ends overlap by `g` [m], growing
-/// at `rate` [m/s]; zero where neither end touches.
+/// Potential U [J] of a pad of the stiffness `unit` = kappa l / 6 [N/m] whose ends overlap by `g` [m], and its first and second derivatives to
+/// them `(2,)` [N], `(2, 2)` [N/m]; zero where neither end touches.
 #[inline(always)]
-pub(crate) fn pad_force<R: Real>(unit: R, damping: R, g: [R; 2], rate: [R; 2]) -> PadForce<R> {
+pub(crate) fn foundation<R: Real>(unit: R, g: [R; 2]) -> (R, [R; 2], [[R; 2]; 2]) {
     let (zero, one) = (unit.zero(), unit.like(1.0));
     let (a, b) = (g[0].larger(g[1]), g[0].smaller(g[1]));
     let touches = zero.below(a);
@@ -53,7 +53,7 @@ pub(crate) fn pad_force<R: Real>(unit: R, damping: R, g: [R; 2], rate: [R; 2]) -
     let inside = R::select(touches, b.larger(zero), zero);
     let x = safe / (safe - beyond);
     let stored = unit * (safe * safe * x + inside * (safe + inside));
-    // To the larger overlap and to the smaller one, first and second derivatives.
+    // To the larger overlap and to the smaller one.
     let large = unit * (safe * x * (x.like(3.0) - x) + inside);
     let small = unit * (safe * x * x + inside * 2.0);
     let both = unit * x * x * (x * -2.0 + 3.0);
@@ -62,8 +62,17 @@ pub(crate) fn pad_force<R: Real>(unit: R, damping: R, g: [R; 2], rate: [R; 2]) -
     let pick = |large: R, small: R| {
         [R::select(first_is_large, large, small), R::select(first_is_large, small, large)]
     };
-    let (u, own) = (pick(large, small), pick(large_2, small_2));
-    let second = [[own[0], both], [both, own[1]]];
+    let own = pick(large_2, small_2);
+    (stored, pick(large, small), [[own[0], both], [both, own[1]]])
+}
+
+/// Forces of a pad of the stiffness `unit` = kappa l / 6 [N/m] and damping factor `damping` [s/m], whose ends overlap by `g` [m], growing
+/// at `rate` [m/s]; zero where neither end touches.
+#[inline(always)]
+pub(crate) fn pad_force<R: Real>(unit: R, damping: R, g: [R; 2], rate: [R; 2]) -> PadForce<R> {
+    let (zero, one) = (unit.zero(), unit.like(1.0));
+    let touches = zero.below(g[0].larger(g[1]));
+    let (stored, u, second) = foundation(unit, g);
     let normal = u[0] + u[1];
     let per_normal = one / R::select(touches, normal, one);
     let share = [u[0] * per_normal, u[1] * per_normal];

@@ -1,5 +1,5 @@
 //! Explains failed and refused connections by reading Zenoh's log messages. **Check this file at each update of Zenoh**:
-//! the phrases in `CAUSES` and `REFUSALS` are those of the version pinned by the workspace, and the tests in
+//! the phrases in `phrases.txt` are those of the version pinned by the workspace, and the tests in
 //! `tests/tests/farm/refusals.rs` provoke each of them.
 //!
 //! Zenoh's error for a failed connection is only "unable to connect", and a listener gets no error at all; the reason
@@ -67,97 +67,17 @@ fn with_cause(text: &str) -> String {
     }
 }
 
-/// Phrases in Zenoh's messages for connections of this process, with their likely cause.
-const CAUSES: [(&[&str], &str); 14] = [
-    (
-        &["connection refused"],
-        "nothing listens there: is the coordinator running, and are address and port right?",
-    ),
-    (&["lookup", "name or service", "resolve"], "the host name cannot be resolved on this machine"),
-    (&["no route", "unreachable"], "the network of this machine has no route to that address"),
-    (
-        &["not valid for name"],
-        "the coordinator's certificate is for another name: connect to a name listed in it",
-    ),
-    (
-        &["peer certificate: badsignature", "peer certificate: unknownissuer"],
-        "the coordinator's certificate was signed by another authority than root_ca_certificate of --config",
-    ),
-    (
-        &["peer certificate: expired"],
-        "the coordinator's certificate has expired, or this machine's clock is wrong",
-    ),
-    (
-        &["peer certificate: notvalidyet"],
-        "the coordinator's certificate is not valid yet, or this machine's clock is wrong",
-    ),
-    (
-        &["certificaterequired"],
-        "the coordinator requires a client certificate, and --config names none: connect_private_key, connect_certificate, enable_mtls",
-    ),
-    (
-        &[
-            "fatal alert: decrypterror",
-            "fatal alert: unknownca",
-            "fatal alert: badcertificate",
-            "fatal alert: certificate",
-        ],
-        "the coordinator does not accept our certificate (connect_certificate of --config): was it signed by the same authority?",
-    ),
-    (
-        &[
-            "close message (reason 0) in response to an initsyn",
-            "close message (reason generic) in response to an opensyn",
-        ],
-        "the coordinator refuses our user and password (transport/auth/usrpwd of --config)",
-    ),
-    (
-        &["close message (reason invalid) in response to an opensyn"],
-        "it has as many sessions as it accepts (a coordinator 4000, unless its log names another number): connect \
-         through a router (zenohd), see deploy/README.md, Several sites",
-    ),
-    (&["corrupt message"], "that port does not use TLS: does the coordinator listen with tcp/?"),
-    (
-        &["early eof", "connection reset"],
-        "the other side closed the connection: does the coordinator listen with tls/, or does another program use that port?",
-    ),
-    (
-        &["timeout"],
-        "no answer in time: a firewall, another program at that port, or tls/ where the coordinator listens with tcp/",
-    ),
-];
-
+/// Likely cause of a failed connection of this process.
 fn cause(text: &str) -> Option<&'static str> {
-    meaning(&CAUSES, &text.to_lowercase())
+    meaning("== connections of", &text.to_lowercase())
 }
 
-/// The first of these meanings of which a phrase is in a text.
-fn meaning(table: &[(&[&str], &'static str)], text: &str) -> Option<&'static str> {
-    table.iter().find(|(parts, _)| parts.iter().any(|part| text.contains(part))).map(|(_, means)| *means)
+/// The first meaning in this section of the phrases of which one is in a text.
+fn meaning(section: &str, text: &str) -> Option<&'static str> {
+    let (_, rows) = include_str!("phrases.txt").split_once(section)?;
+    let mut rows = rows.lines().take_while(|row| !row.is_empty()).filter_map(|row| row.split_once(" => "));
+    rows.find(|(phrases, _)| phrases.split(" | ").any(|phrase| text.contains(phrase))).map(|(_, means)| means)
 }
-
-/// Phrases in Zenoh's messages for connections to this process, with their cause. Other messages may come from a broken
-/// connection or a port scan and are not reported.
-const REFUSALS: [(&[&str], &str); 9] = [
-    (&["Invalid password"], "wrong password"),
-    (&["Invalid user"], "the user is not in the dictionary"),
-    (&["Recv InitSyn. Expected extension"], "no user and password given"),
-    (&["peer sent no certificates"], "no client certificate given (enable_mtls requires one)"),
-    (
-        &["peer certificate: BadSignature", "peer certificate: UnknownIssuer"],
-        "the client certificate was signed by another authority",
-    ),
-    (&["peer certificate: Expired"], "the client certificate has expired, or this machine's clock is wrong"),
-    (
-        &["fatal alert: DecryptError", "fatal alert: UnknownCA"],
-        "the client does not accept this coordinator's certificate: it was signed by another authority",
-    ),
-    (
-        &["fatal alert: BadCertificate"],
-        "the client does not accept this coordinator's certificate: it does not list the name used to connect",
-    ),
-    (&["received corrupt message"], "the client does not use TLS: workers must connect with tls/ here"),
-];
 
 /// Warning for a message about a refused connection; `None` for other messages.
 fn refused(text: &str) -> Option<String> {
@@ -174,7 +94,7 @@ fn refused(text: &str) -> Option<String> {
              (zenohd), see deploy/README.md, Several sites"
         ));
     }
-    let why = meaning(&REFUSALS, text)?;
+    let why = meaning("== connections to", text)?;
     Some(format!("a connection was refused: {why}"))
 }
 

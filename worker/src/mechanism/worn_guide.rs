@@ -20,7 +20,7 @@
 use super::frame::Frame;
 use super::guide::{Guide, GuideFace, PadEnd, add_second, gradient, turning};
 use super::load::LoadForce;
-use crate::contact::{GuideReaction, coulomb, pad_force};
+use crate::contact::{GuideReaction, coulomb, foundation};
 use crate::plane::dot;
 use crate::rail::{MOST_NODES, RailFaces};
 
@@ -38,8 +38,7 @@ pub(super) struct WornGuide<'a> {
 struct Node {
     /// Place, overlap, rate and sliding speed, on the worn faces.
     at: PadEnd<f64>,
-    /// Position along the guide and distance from the slider's middle along the slider [m].
-    s: f64,
+    /// Distance from the slider's middle along the slider [m].
     ahead: f64,
     /// Derivatives of the guide's depth there [1, 1/m].
     slope: f64,
@@ -68,15 +67,6 @@ impl Pad {
         &self.nodes[..self.count]
     }
 
-    /// Overlap and its rate at the deepest node.
-    fn deepest(&self) -> [f64; 2] {
-        let first = [self.nodes[0].at.overlap, self.nodes[0].at.rate];
-        let deeper = |best: [f64; 2], node: &Node| {
-            if node.at.overlap >= best[0] { [node.at.overlap, node.at.rate] } else { best }
-        };
-        self.nodes().iter().fold(first, deeper)
-    }
-
     /// Adds the elements, each of the stiffness `unit` = kappa times a sixth of its length [N/m], and the `damping` factor D [s/m].
     fn press(&mut self, unit: f64, damping: f64) {
         for k in 0..self.count - 1 {
@@ -84,12 +74,12 @@ impl Pad {
             if g[0] <= 0.0 && g[1] <= 0.0 {
                 continue;
             }
-            let element = pad_force(unit, 0.0, g, [0.0; 2]);
-            self.stored += element.stored;
-            self.beside[k] = element.to_overlap[0][1];
+            let (stored, force, second) = foundation(unit, g);
+            self.stored += stored;
+            self.beside[k] = second[0][1];
             for end in 0..2 {
-                self.force[k + end] += element.force[end];
-                self.diagonal[k + end] += element.to_overlap[end][end];
+                self.force[k + end] += force[end];
+                self.diagonal[k + end] += second[end][end];
             }
         }
         let forces = self.nodes().iter().zip(&self.force);
@@ -124,19 +114,20 @@ impl WornGuide<'_> {
         for face in 0..2 {
             let side = self.flat.side(face, bodies[1].turn(self.flat.axis));
             for half in 0..2 {
-                let mut pad = self.pad(&side, half, bodies);
                 let index = 2 * face + half;
-                for end in [pad.nodes[0].s, pad.nodes[pad.count - 1].s] {
+                let (ends, deepest) = self.deepest(&side, half, bodies);
+                for end in ends {
                     done.beyond = done.beyond.max(end - self.flat.reach[1]).max(self.flat.reach[0] - end);
                 }
                 // The middle of both faces is the first node of the second half.
                 if half == 1 {
-                    done.position += 0.5 * pad.nodes[0].s;
+                    done.position += 0.5 * ends[0];
                 }
-                [done.penetration[index], done.approach[index]] = pad.deepest();
+                [done.penetration[index], done.approach[index]] = deepest;
                 if done.penetration[index] <= 0.0 {
                     continue;
                 }
+                let mut pad = self.pad(&side, half, bodies);
                 pad.press(self.flat.unit / (pad.count - 1) as f64, self.flat.damping[index]);
                 done.stored += pad.stored;
                 done.lost += pad.normal * pad.rho * (pad.factor - 1.0);
@@ -154,11 +145,11 @@ impl WornGuide<'_> {
             let side = self.flat.side(face, bodies[1].turn(self.flat.axis));
             for half in 0..2 {
                 let index = 2 * face + half;
-                let mut pad = self.pad(&side, half, bodies);
-                let [overlap, rate] = pad.deepest();
+                let (_, [overlap, rate]) = self.deepest(&side, half, bodies);
                 if before.penetration[index] > 0.0 || overlap <= 0.0 {
                     continue;
                 }
+                let mut pad = self.pad(&side, half, bodies);
                 let since = if rate * h > overlap { overlap / rate } else { h };
                 pad.press(self.flat.unit / (pad.count - 1) as f64, self.flat.damping[index]);
                 for (node, force) in pad.nodes().iter().zip(&pad.force) {
@@ -172,12 +163,37 @@ impl WornGuide<'_> {
         impulse
     }
 
+    /// Places of the ends of half a face along the guide [m], and overlap and its rate at its deepest node [m, m/s]: before the depths of the two
+    /// surfaces, all are straight lines from end to end.
+    fn deepest(&self, side: &GuideFace<f64>, half: usize, bodies: [&Frame; 2]) -> ([f64; 2], [f64; 2]) {
+        let layout = &self.faces.layout;
+        let first = half * layout.elements;
+        let ends = [first, first + layout.elements];
+        let ends = ends.map(|node| self.flat.point(side, layout.node(node), bodies));
+        let places = ends.map(|end| dot(side.t, end.d) - side.base);
+        let per_element = 1.0 / layout.elements as f64;
+        let line = |of: [f64; 2], k: usize| of[0] + (of[1] - of[0]) * (k as f64 * per_element);
+        let (flat, depths) = (ends.map(|end| end.overlap), &self.faces.slider[side.face][first..]);
+        let (mut deepest, mut largest) = (0, f64::NEG_INFINITY);
+        for (k, depth) in depths[..=layout.elements].iter().enumerate() {
+            let worn = self.faces.guide_depth(side.face, line(places, k))[0];
+            let overlap = line(flat, k) - (worn + depth);
+            if overlap >= largest {
+                (deepest, largest) = (k, overlap);
+            }
+        }
+        let [_, slope, _] = self.faces.guide_depth(side.face, line(places, deepest));
+        let [rate, sliding] =
+            [ends.map(|end| end.rate), ends.map(|end| end.sliding)].map(|of| line(of, deepest));
+        (places, [largest, rate - slope * sliding])
+    }
+
     /// The nodes of half a face, without forces.
     fn pad(&self, side: &GuideFace<f64>, half: usize, bodies: [&Frame; 2]) -> Pad {
         let layout = &self.faces.layout;
         let count = layout.elements + 1;
         let at = PadEnd { a: [0.0; 2], d: [0.0; 2], overlap: 0.0, rate: 0.0, sliding: 0.0 };
-        let unset = Node { at, s: 0.0, ahead: 0.0, slope: 0.0, bend: 0.0 };
+        let unset = Node { at, ahead: 0.0, slope: 0.0, bend: 0.0 };
         let none = [0.0; MOST_NODES];
         let mut pad = Pad {
             count,
@@ -199,7 +215,7 @@ impl WornGuide<'_> {
             let [worn, slope, bend] = self.faces.guide_depth(side.face, s);
             at.overlap -= worn + self.faces.slider[side.face][index];
             at.rate -= slope * at.sliding;
-            pad.nodes[k] = Node { at, s, ahead, slope, bend };
+            pad.nodes[k] = Node { at, ahead, slope, bend };
         }
         pad
     }

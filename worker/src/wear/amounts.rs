@@ -192,6 +192,7 @@ mod tests {
             elements: 4,
             half_length: 0.02,
             width: 0.01,
+            guide_wears: true,
             slider_wears: true,
         };
         let mut depth = vec![0.0; layout.depths()];

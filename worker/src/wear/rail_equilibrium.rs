@@ -17,7 +17,7 @@
 //! Damped Newton method for a convex function: Nocedal, Wright (2006), Numerical Optimization, chapters 3 and 6.
 
 use super::equilibrium::NoEquilibrium;
-use crate::contact::pad_force;
+use crate::contact::foundation;
 use crate::extremum::largest;
 use crate::rail::RailLayout;
 
@@ -73,29 +73,37 @@ impl RailGaps {
         for (face, sign) in [(0, 1.0), (1, -1.0)] {
             let place = |node: usize| node as f64 * per_element - 1.0;
             let (gap, overlap, force) = (&self.gap[face], &mut self.overlap[face], &mut self.force[face]);
+            let mut deepest = f64::NEG_INFINITY;
             for (node, (gap, overlap)) in gap.iter().zip(overlap.iter_mut()).enumerate() {
                 *overlap = sign * (pose[0] + pose[1] * place(node)) - gap;
+                deepest = if *overlap > deepest { *overlap } else { deepest };
             }
             force.fill(0.0);
+            if deepest <= 0.0 {
+                continue;
+            }
             for k in 0..2 * elements {
                 let g = [overlap[k], overlap[k + 1]];
                 if g[0] <= 0.0 && g[1] <= 0.0 {
                     continue;
                 }
-                let element = pad_force(unit, 0.0, g, [0.0; 2]);
-                for i in 0..2 {
-                    let x = place(k + i);
-                    force[k + i] += element.force[i];
-                    normal += element.force[i];
-                    load[0] += sign * element.force[i];
-                    load[1] += sign * x * element.force[i];
-                    for j in 0..2 {
-                        let (second, y) = (element.to_overlap[i][j], place(k + j));
-                        slopes[0] += second;
-                        slopes[1] += second * y;
-                        slopes[2] += second * x * y;
-                    }
-                }
+                // Most elements touch all along: two thirds and one third of a trapezium each.
+                let ([p, q], [[aa, ab], [_, bb]]) = if g[0] > 0.0 && g[1] > 0.0 {
+                    let of = |near: f64, far: f64| unit * (2.0 * near + far);
+                    ([of(g[0], g[1]), of(g[1], g[0])], [[2.0 * unit, unit], [unit, 2.0 * unit]])
+                } else {
+                    let (_, forces, seconds) = foundation(unit, g);
+                    (forces, seconds)
+                };
+                let (x, y) = (place(k), place(k + 1));
+                force[k] += p;
+                force[k + 1] += q;
+                normal += p + q;
+                load[0] += sign * (p + q);
+                load[1] += sign * (x * p + y * q);
+                slopes[0] += aa + 2.0 * ab + bb;
+                slopes[1] += (aa + ab) * x + (ab + bb) * y;
+                slopes[2] += (aa * x + 2.0 * ab * y) * x + bb * y * y;
             }
         }
         (load, slopes, normal)

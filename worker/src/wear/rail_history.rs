@@ -193,7 +193,16 @@ mod tests {
 
     fn layout() -> RailLayout {
         let reach = [-0.1, 0.1];
-        RailLayout { points: 21, reach, elements: 4, half_length: 0.03, width: 0.02, slider_wears: false }
+        let (elements, half_length) = (4, 0.03);
+        RailLayout {
+            points: 21,
+            reach,
+            elements,
+            half_length,
+            width: 0.02,
+            guide_wears: true,
+            slider_wears: false,
+        }
     }
 
     fn pressed(force: f64, arm: f64, position: f64, speed: f64) -> RailInstant {

@@ -13,7 +13,7 @@
 //! harder as their facets grow inwards.
 //!
 //! Samples of nearly the same contact are replaced by their mean, weighted with their work: those with the same halves of faces in contact, F / N and M / (N l / 2), N = max(|F|, |M| / (l / 2)), in the
-//! same cell of [`PLACE`], N between two powers of [`LEVEL`], and s in the same quarter of the distance of two control points.
+//! same cell of [`PLACE`], N between two powers of [`LEVEL`], and where the guide wears s in the same quarter of the distance of two control points.
 //!
 //! Valid for mild sliding wear with a constant K; wear never decreases.
 //!
@@ -43,8 +43,8 @@ pub struct RailWearRate {
     clearance: f64,
     faces: RailFaces,
     gaps: RailGaps,
-    /// Means of the groups of samples, each with the pose of the slider found last.
-    samples: Vec<(RailSample, SliderPose)>,
+    /// Means of the groups of samples, each with the pose of the slider found last, none before the first.
+    pub(super) samples: Vec<(RailSample, Option<SliderPose>)>,
 }
 
 impl RailWearRate {
@@ -67,6 +67,8 @@ impl RailWearRate {
         let cell = |load: f64| (load / size / PLACE).round() as i32;
         let level = (libm::log(size) / libm::log(LEVEL)).floor() as i32;
         let place = (sample.position / layout.spacing() * MOVES).floor() as i32;
+        // An unworn guide is the same everywhere.
+        let place = if layout.guide_wears { place } else { 0 };
         (sample.touching, level, [cell(sample.force), cell(moment)], place)
     }
 
@@ -146,7 +148,7 @@ impl WearLaw for RailWearRate {
             let of_group = groups.entry(self.group(sample));
             of_group.and_modify(|mean| *mean = joined(mean, sample)).or_insert(*sample);
         }
-        self.samples = groups.into_values().map(|sample| (sample, [0.0; 2])).collect();
+        self.samples = groups.into_values().map(|sample| (sample, None)).collect();
     }
 
     fn sizes(&self) -> SurfaceSizes {
@@ -158,15 +160,18 @@ impl WearLaw for RailWearRate {
         rate.fill(0.0);
         let layout = self.faces.layout;
         let [wears_guide, wears_slider] = self.coefficients.map(|coefficient| coefficient > 0.0);
+        // A sample without a pose begins with that of the group before, whose load is much the same.
+        let mut near = [0.0; 2];
         for index in 0..self.samples.len() {
-            let (sample, start) = self.samples[index];
+            let (sample, found) = self.samples[index];
             self.set_gaps(sample.position);
             let load = [sample.force, sample.moment / layout.half_length];
             if load == [0.0; 2] || sample.normal <= 0.0 {
                 continue;
             }
-            let (pose, heavier) = self.gaps.equilibrium(load, start)?;
-            self.samples[index].1 = pose;
+            let (pose, heavier) = self.gaps.equilibrium(load, found.unwrap_or(near))?;
+            self.samples[index].1 = Some(pose);
+            near = pose;
             let scale = sample.work / (sample.normal * heavier);
             let (of_guide, of_slider) = rate.split_at_mut(layout.guide_depths());
             for face in 0..2 {

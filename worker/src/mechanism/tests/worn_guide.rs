@@ -1,7 +1,7 @@
 //! A slider on worn faces by itself: the flat guide as its limit, derivatives, energy, momentum.
 
 use super::guide::assert_derivatives;
-use crate::contact::GuideReaction;
+use crate::contact::{GuideReaction, PADS};
 use crate::mechanism::guide::Guiding;
 use crate::mechanism::{End, Frame, WearingGuide};
 use common::scene::{ContactDamping, GuideClearance, GuideWear, Material, WearingSurfaces};
@@ -106,6 +106,11 @@ fn unworn_faces_have_the_force_of_a_flat_guide() {
         for face in 0..2 {
             let off = (done.normal[face] - expected.normal[face]).abs();
             assert!(off <= 1e-9 * size && (done.stored / expected.stored - 1.0).abs() < 1e-9);
+        }
+        // Of a flat face that touches flatly any place is the deepest one.
+        for pad in (0..PADS).filter(|_| off[2] != 0.0) {
+            let apart = |of: fn(&GuideReaction) -> [f64; PADS]| (of(&done)[pad] - of(&expected)[pad]).abs();
+            assert!(apart(|done| done.penetration) < 1e-15 && apart(|done| done.approach) < 1e-13, "{off:?}");
         }
         assert!((done.beyond - expected.beyond).abs() < 1e-15 && (done.position - off[0]).abs() < 1e-12);
     }

@@ -14,7 +14,8 @@ const WIDTH: f64 = 0.02;
 const COEFFICIENT: f64 = 1e-13;
 
 fn layout(points: usize, elements: usize, slider_wears: bool) -> RailLayout {
-    RailLayout { points, reach: [-0.1, 0.1], elements, half_length: HALF, width: WIDTH, slider_wears }
+    let (reach, guide_wears) = ([-0.1, 0.1], true);
+    RailLayout { points, reach, elements, half_length: HALF, width: WIDTH, guide_wears, slider_wears }
 }
 
 fn law(layout: RailLayout, coefficients: [f64; 2]) -> RailWearRate {
@@ -107,6 +108,26 @@ fn a_slider_wears_evenly_under_even_pressure() {
     assert!(left.iter().all(|h| *h == 0.0) && depth[..layout.guide_depths()].iter().all(|h| *h == 0.0));
     for h in right {
         assert!((h / expected - 1.0).abs() < 1e-3, "{h:e} against {expected:e}");
+    }
+}
+
+/// Places along a guide that does not wear make no difference: the loads of all of them are one sample.
+#[test]
+fn issue_places_along_an_unworn_guide_had_samples_of_their_own() {
+    let layout = RailLayout { guide_wears: false, ..layout(31, 5, true) };
+    let rates = |stroke: f64| {
+        let pressed = |k: i32| instant([500.0, 0.0], [0.01, 0.0], stroke * f64::from(k), 0.3);
+        let instants: Vec<_> = (-7..7).map(|k| (0.1, pressed(k))).collect();
+        let mut rate = law(layout, [0.0, COEFFICIENT]);
+        rate.freeze(&history(&layout, &instants));
+        let mut found = vec![0.0; layout.depths()];
+        rate.rate(&vec![0.0; layout.depths()], &mut found).expect("an equilibrium");
+        (rate.samples.len(), found)
+    };
+    let (of_one, of_many) = (rates(0.0), rates(0.01));
+    assert_eq!((of_one.0, of_many.0), (1, 1));
+    for (one, many) in of_one.1.iter().zip(&of_many.1) {
+        assert!((one - many).abs() <= 1e-12 * one, "{one} {many}");
     }
 }
 
