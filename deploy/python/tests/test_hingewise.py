@@ -211,6 +211,7 @@ class WithStudy(unittest.TestCase):
         with self.assertWarns(hingewise.StudyWarning) as warned:
             again = hingewise.resume("study")
         stopped = again.summary["convergence"]["stopped_because"]
+        self.assertIn("points beyond 30 simulations", stopped)
         self.assertIn(stopped, again.ending)
         self.assertIn(stopped, str(warned.warning))
         self.assertIn(f"stopped because {stopped}", again.printed)

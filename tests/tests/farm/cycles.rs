@@ -79,6 +79,8 @@ fn a_worker_and_a_coordinator_that_are_killed_repeat_no_cycle_but_the_one_under_
         assert!(coordinator(&[&options[..], &farm].concat()).end(MINUTES).success());
 
         assert!(same_results(&whole, &killed));
+        let summary = std::fs::read_to_string(whole.join("summary.json")).unwrap();
+        assert!(summary.contains("\"accuracy\": \"draft around cycles of a program\""), "{summary}");
         let asked = requests(folder.path());
         let distinct = |all: &[String]| all.iter().cloned().collect::<BTreeSet<_>>();
         assert_eq!(distinct(&undisturbed).len(), undisturbed.len());

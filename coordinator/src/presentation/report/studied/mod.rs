@@ -245,6 +245,13 @@ mod tests {
         }
     }
 
+    #[test]
+    fn issue_the_contact_of_the_mechanics_was_stated_of_a_program() {
+        let (_, text) = text_of(include_str!("../../../../../deploy/python/examples/four-bar/mujoco.toml"));
+        assert!(text.contains("follow from the force by the law local-hertz"), "{text}");
+        assert!(!text.contains("feeds energy"), "{text}");
+    }
+
     /// Every name of the scene with every word of the language is in the chapter or in the appendix.
     #[test]
     fn every_part_of_a_scene_is_listed() {
