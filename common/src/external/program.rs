@@ -137,11 +137,11 @@ pub fn check_program_file(program: &Program, scene: &Scene) -> Result<(), Simula
         None => key_and_name(program),
     };
     check_executable(&program.command, folder).map_err(|reason| not_started(program, of_command, reason))?;
-    let files = || match &program.exchange {
+    let files = match &program.exchange {
         Some(files) => working_folder::check(program, files, &Expected::from_scene(scene).inputs),
         None => program.fmu.as_ref().map_or(Ok(()), |fmu| check_file(folder, fmu)),
     };
-    files().map_err(|reason| start_error(program, reason))
+    files.map_err(|reason| start_error(program, reason))
 }
 
 /// The key of the scene that states a program, and its name in messages: the FMU, or the program with its arguments.
