@@ -253,7 +253,11 @@ fn page_and_status_describe_a_running_study() {
         let mut worker =
             LoggedProcess::start("worker", &["--connect", &endpoint, "--slots", "1", "--log-format", "json"]);
         assert_eq!((study.end(), worker.end()), (Some(0), Some(0)));
-        for line in worker.log().lines() {
+        // The study has ended: nothing listens any more.
+        let lost = ["--connect", &endpoint, "--give-up-after", "1", "--log-format", "json"];
+        let mut lost = LoggedProcess::start("worker", &lost);
+        assert_eq!(lost.end(), Some(1));
+        for line in worker.log().lines().chain(lost.log().lines()) {
             let line: serde_json::Value = serde_json::from_str(line).unwrap();
             assert!(line["level"].is_string() && line["message"].is_string(), "{line}");
         }

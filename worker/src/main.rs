@@ -148,7 +148,8 @@ fn main() -> ExitCode {
             }
         };
     }
-    start_log(arguments.verbose, arguments.quiet, arguments.log_format);
+    let log_format = arguments.log_format;
+    start_log(arguments.verbose, arguments.quiet, log_format);
     let done = match (&arguments.serve_umbridge, &arguments.serve_cycle) {
         (Some(given), _) => serve_umbridge(given, &arguments),
         (None, Some(scene)) => serve_cycle(scene),
@@ -159,7 +160,10 @@ fn main() -> ExitCode {
     match done {
         Ok(code) => code,
         Err(error) => {
-            eprintln!("worker: {error}");
+            match log_format {
+                log::Format::Text => eprintln!("worker: {error}"),
+                log::Format::Json => tracing::error!("{error}"),
+            }
             ExitCode::from(error.exit_code())
         }
     }

@@ -19,7 +19,7 @@ use crate::scene::source::digest;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions, create_dir_all, read_to_string, remove_file};
-use std::io::{self, Write};
+use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 /// A slot whose program or model gives cycles.
@@ -206,12 +206,15 @@ impl CycleJournal {
         self.file.sync_data()
     }
 
-    /// Removes the file, at the end of the life.
+    /// Removes the file, at the end of the life, if another worker with the same life has not.
     ///
     /// # Errors
     /// The file cannot be removed.
     pub fn remove(self) -> io::Result<()> {
-        remove_file(self.path)
+        match remove_file(self.path) {
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
+            removed => removed,
+        }
     }
 }
 
@@ -235,7 +238,9 @@ mod tests {
         let journal = CycleJournal::open(folder.path(), "life").unwrap();
         assert_eq!(journal.reply("second"), Some("3"));
         assert_eq!(CycleJournal::open(folder.path(), "other").unwrap().reply("first"), None);
+        let of_twin = CycleJournal::open(folder.path(), "life").unwrap();
         journal.remove().unwrap();
         assert!(!path.exists());
+        of_twin.remove().unwrap();
     }
 }

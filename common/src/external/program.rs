@@ -132,12 +132,16 @@ impl Serialize for SampleByName<'_> {
 /// [`SimulatorError`].
 pub fn check_program_file(program: &Program, scene: &Scene) -> Result<(), SimulatorError> {
     let folder = Path::new(&program.folder);
-    let found = check_executable(&program.command, folder);
-    let files = || match &program.exchange {
+    let of_command = match &program.fmu {
+        Some(_) => ("python", program.command[0].clone()),
+        None => key_and_name(program),
+    };
+    check_executable(&program.command, folder).map_err(|reason| not_started(program, of_command, reason))?;
+    let files = match &program.exchange {
         Some(files) => working_folder::check(program, files, &Expected::from_scene(scene).inputs),
         None => program.fmu.as_ref().map_or(Ok(()), |fmu| check_file(folder, fmu)),
     };
-    found.and_then(|()| files()).map_err(|reason| start_error(program, reason))
+    files.map_err(|reason| start_error(program, reason))
 }
 
 /// The key of the scene that states a program, and its name in messages: the FMU, or the program with its arguments.
@@ -146,7 +150,10 @@ fn key_and_name(program: &Program) -> (&'static str, String) {
 }
 
 fn start_error(program: &Program, reason: std::io::Error) -> SimulatorError {
-    let (key, name) = key_and_name(program);
+    not_started(program, key_and_name(program), reason)
+}
+
+fn not_started(program: &Program, (key, name): (&str, String), reason: std::io::Error) -> SimulatorError {
     let fault = format!("\"{name}\" cannot be started in {}: {reason}", program.folder);
     SimulatorError::of_key(key, fault)
 }
@@ -331,5 +338,9 @@ mod tests {
             assert!(said.contains(&format!("\"{command}\" cannot be started in")), "{said}");
             assert!(said.contains(reason), "{said}");
         }
+        let command = ["no-such-python", "-m", "hingewise.fmu", "a.fmu"].map(str::to_owned).to_vec();
+        let fmu = Program { command, folder: ".".to_owned(), exchange: None, fmu: Some("a.fmu".to_owned()) };
+        let said = check_program_file(&fmu, scene().nominal()).unwrap_err().to_string();
+        assert!(said.contains("simulator.python: \"no-such-python\" cannot be started in ."), "{said}");
     }
 }

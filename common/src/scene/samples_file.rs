@@ -31,10 +31,12 @@ fn values(csv: &CsvFile, variable: &RandomVariable, (file, text): (&str, &str)) 
     let RandomVariable { name, distribution, unit: own, .. } = variable;
     let column = csv.find(name).map_err(|kind| Faults::one(file, name, kind))?;
     let CsvColumn { unit, unit_span, numbers, spans, .. } = csv.column(column, name)?;
-    let si = match unit {
+    let si = match &unit {
         None => 1.0,
-        Some(unit) => match (read_unit(&unit), read_unit(own)) {
+        Some(unit) => match (read_unit(unit), read_unit(own)) {
             (Ok(found), Ok(own)) if found.dimension == own.dimension => found.multiply / found.divide,
+            // A text that is no unit of this program leaves the number as it is.
+            (_, Err(_)) if unit == own => 1.0,
             _ => {
                 let what = format!("is in {unit}, which is no unit of variable {name} ({own})");
                 return Err(Faults(vec![Fault::at(file, text, unit_span, name, what)]));
@@ -45,7 +47,15 @@ fn values(csv: &CsvFile, variable: &RandomVariable, (file, text): (&str, &str)) 
     let values: Vec<f64> = numbers.into_iter().map(|number| number * si).collect();
     let outside = values.iter().zip(&spans).filter(|(value, _)| !(lower..=upper).contains(*value));
     let fault = |(value, span): (&f64, &std::ops::Range<usize>)| {
-        let what = format!("{value} {own} lies outside of the distribution, {lower} to {upper}");
+        // Nine digits, without those of the conversion.
+        let shown = |of: f64| format!("{:.8e}", of / si).parse().unwrap_or(of);
+        let [value, lower, upper] = [*value, lower, upper].map(shown);
+        let unit = match &unit {
+            Some(unit) => format!(" {unit}"),
+            None if own == "1" || read_unit(own).is_err() => String::new(),
+            None => " in SI".to_owned(),
+        };
+        let what = format!("{value}{unit} lies outside of the distribution, {lower} to {upper}{unit}");
         Fault::at(file, text, span.clone(), name, what)
     };
     let faults: Vec<Fault> = outside.map(fault).collect();
@@ -60,7 +70,8 @@ mod tests {
     #[test]
     fn samples_have_the_units_of_their_heads() {
         let text = "scene = { name = \"s\" }\nsimulator = { program = [\"s\"] }\noutputs = [{ name = \"a\" }]\n\
-            variables = [{ name = \"gap\", mean = \"30 um\", std = \"1 um\" }, { name = \"x\", distribution = \"uniform\", lower = 0, upper = 1 }]\n\
+            variables = [{ name = \"gap\", distribution = \"uniform\", lower = \"10 um\", upper = \"50 um\" }, \
+            { name = \"x\", distribution = \"uniform\", lower = 0, upper = 1, unit = \"m/year\" }]\n\
             limit_states = [{ name = \"w\", output = \"a\", threshold = 1 }]";
         let source = SceneSource::parse(text, "s").unwrap_or_else(|faults| panic!("{faults}"));
         let read =
@@ -72,11 +83,15 @@ mod tests {
                 && close(found[1][0], 31e-6)
                 && [found[0][1], found[1][1]] == [0.25, 0.5]
         );
-        assert_eq!(read("gap,x\n3e-5,0.25\n").unwrap(), [[3e-5, 0.25]]);
+        for head in ["gap,x", "gap,x [m/year]"] {
+            assert_eq!(read(&format!("{head}\n3e-5,0.25\n")).unwrap(), [[3e-5, 0.25]]);
+        }
         for (csv, said) in [
             ("x;gop\n0.25;30\n", "there is no column \"gap\", did you mean \"gop\"?"),
             ("x,gap [N]\n0.25,30\n", "is in N, which is no unit of variable gap"),
-            ("x,gap [um]\n0.25,30\n1.5,30\n", "1.5 1 lies outside of the distribution, 0 to 1"),
+            ("x,gap [um]\n0.25,30\n1.5,30\n", "1.5 lies outside of the distribution, 0 to 1"),
+            ("x,gap [um]\n0.25,51\n", "51 um lies outside of the distribution, 10 to 50 um"),
+            ("x,gap\n0.25,51\n", "51 in SI lies outside of the distribution, 0.00001 to 0.00005 in SI"),
         ] {
             let found = read(csv).unwrap_err();
             assert!(found.contains(said) && found.contains("doe.csv"), "{found}");

@@ -282,8 +282,7 @@ impl SceneSource {
         Ok(resolve(&self.origin, &self.document, &overrides, true)?.scene.variables)
     }
 
-    /// The means `(d,)` with some variables set to other values, SI: the inputs of an external simulator, whose scene has
-    /// nothing else to set.
+    /// The means `(d,)` with some variables set to other values, SI: the inputs of an external simulator.
     ///
     /// # Errors
     /// A name that is no random variable.

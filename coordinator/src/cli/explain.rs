@@ -29,7 +29,7 @@ pub fn explain(
     let source = scene.load()?;
     let scene = source.nominal();
     if let Some(simulator) = &scene.simulator {
-        external::check_accuracy(source.origin(), accuracy)?;
+        external::check_accuracy(&source, accuracy)?;
         let json = verbosity.json.then(|| serde_json::to_value(scene)).transpose()?;
         let text = json.map(|value| to_json(&value)).transpose()?;
         return print(&text.unwrap_or_else(|| without_mechanism(&source, simulator)));

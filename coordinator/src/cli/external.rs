@@ -35,11 +35,13 @@ pub fn open_simulator(source: &SceneSource, slots: usize) -> Done<Box<dyn Evalua
 ///
 /// # Errors
 /// [`CommandError::BadInput`].
-pub fn check_accuracy(origin: &str, accuracy: &AccuracyArguments) -> Done {
+pub fn check_accuracy(source: &SceneSource, accuracy: &AccuracyArguments) -> Done {
     let given = [("--accuracy", accuracy.accuracy.is_some()), ("--max-error", accuracy.max_error.is_some())];
     let Some((option, _)) = given.iter().find(|(_, given)| *given) else { return Ok(()) };
-    let subject = format_args!("{option} is not for {origin}");
-    Err(CommandError::refused(subject, "the simulator determines its own accuracy"))
+    let subject = format_args!("{option} is not for {}", source.origin());
+    let has_cycles = source.nominal().simulator.as_ref().is_some_and(|simulator| simulator.cycles.is_some());
+    let of_wear = if has_cycles { "; that of the wear is `accuracy` in [study] of the scene" } else { "" };
+    Err(CommandError::refused(subject, format_args!("the simulator determines its own accuracy{of_wear}")))
 }
 
 /// True if the options ask for remote workers; otherwise this process runs the simulator without messages.

@@ -46,7 +46,7 @@ mod what_if;
 use accuracy::AccuracyArguments;
 use command::{CommandArguments, CommandLine};
 use common::panics::end_process_on_panic;
-use coordinator::presentation::terminal::print_message;
+use coordinator::presentation::terminal::{messages_to_log, print_message};
 use error::{CommandError, Done};
 use farm::{CommandEvaluator, WorkerFarm, of_mechanism};
 use output::{Destination, answer_with, count, print, to_json};
@@ -142,5 +142,9 @@ fn start_log(verbosity: Verbosity) {
         (false, 1) => "info,zenoh=warn",
         (false, _) => "debug,zenoh=info,rustls=info",
     };
-    log::start(levels, LOG_VARIABLE, verbosity.log_format, true);
+    if verbosity.log_format == log::Format::Json {
+        messages_to_log();
+    }
+    let with_messages = format!("{levels},coordinator::presentation::terminal=info");
+    log::start(&with_messages, LOG_VARIABLE, verbosity.log_format, true);
 }

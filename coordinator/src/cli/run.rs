@@ -56,7 +56,7 @@ pub fn run(scene: &str, arguments: &RunArguments, verbosity: Verbosity) -> Done 
         return Err(CommandError::refused(source.origin(), fault));
     }
     if scene.simulator.is_some() {
-        external::check_accuracy(source.origin(), &arguments.accuracy)?;
+        external::check_accuracy(&source, &arguments.accuracy)?;
     } else {
         warn_of(&check_linkage(source.origin(), &source, scene)?);
     }

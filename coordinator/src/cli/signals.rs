@@ -37,7 +37,7 @@ fn watch_signals() -> io::Result<Arc<AtomicBool>> {
                     _ = terminate.recv() => {}
                 }
                 if !flag.swap(true, Ordering::Relaxed) {
-                    print_message("stopping; what is done is saved (again to stop at once)");
+                    print_message("stopping (again to stop at once)");
                 }
             }
             common::external::kill_all();

@@ -8,6 +8,7 @@ use super::{AccuracyArguments, CommandError, Done, Verbosity, check_linkage, cou
 use clap::Args;
 use common::outputs::{Evaluation, NarrowGroove};
 use common::scene::{Fault, Faults, Output, OutputUnit, Scene, SceneSource};
+use coordinator::analyses::scene_settings::scene_with;
 use coordinator::presentation::motion_cautions::cautions;
 use coordinator::presentation::nominal_life::nominal_lives;
 use coordinator::presentation::report::ReportInput;
@@ -46,12 +47,23 @@ pub struct SimulateArguments {
 pub fn simulate(arguments: &SimulateArguments, verbosity: Verbosity) -> Done {
     let out = arguments.out.as_deref().map(|out| file_of(out, "simulate.json")).transpose()?;
     check_destination(arguments.report.as_deref())?;
-    let source = SceneSource::load(arguments.scene.get())?;
+    let mut source = SceneSource::load(arguments.scene.get())?;
     let settings = source.parse_settings(&arguments.set)?;
     let mut cautioned = Vec::new();
-    let (scene, accuracy, evaluation, wall) = if let Some(simulator) = &source.nominal().simulator {
-        external::check_accuracy(source.origin(), &arguments.accuracy)?;
-        let sample = source.sample_with(&settings)?;
+    let (scene, accuracy, evaluation, wall) = if let Some(simulator) = source.nominal().simulator.clone() {
+        external::check_accuracy(&source, &arguments.accuracy)?;
+        // What is no variable changes the scene around the simulator.
+        let (of_sample, of_scene): (Vec<_>, Vec<_>) = settings
+            .iter()
+            .cloned()
+            .zip(&arguments.set)
+            .partition(|((name, _), _)| source.variable(name).is_some());
+        if !of_scene.is_empty() {
+            let set: Vec<String> = of_scene.into_iter().map(|(_, text)| text.clone()).collect();
+            source = scene_with(&source, &set)?;
+        }
+        let of_sample: Vec<_> = of_sample.into_iter().map(|(setting, _)| setting).collect();
+        let sample = source.sample_with(&of_sample)?;
         let scene = source.resolve_sample(&sample)?;
         let accuracy = simulator.cycles.as_ref().map(|_| scene.accuracy.name.clone());
         let (evaluation, wall) = external::simulate(&source, sample)?;

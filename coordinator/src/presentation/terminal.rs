@@ -14,6 +14,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::cell::Cell;
 use std::fmt::Display;
 use std::io::{IsTerminal, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// Shortest time between two lines about evaluations.
@@ -164,11 +165,24 @@ impl Observer for Terminal {
     }
 }
 
+/// True once messages are lines of the log.
+static IN_LOG: AtomicBool = AtomicBool::new(false);
+
+/// From now on messages are lines of the log, whose format is one for programs.
+pub fn messages_to_log() {
+    IN_LOG.store(true, Ordering::Relaxed);
+}
+
 /// Prints a message and a line break to standard error. If that is a closed pipe or a full disk, the study goes on: its results are in
 /// its folder.
 pub fn print_message(message: impl Display) {
-    // There is no other place to report the failure at.
-    let _ = writeln!(std::io::stderr().lock(), "{}", printable(&message.to_string()));
+    let text = printable(&message.to_string());
+    match (IN_LOG.load(Ordering::Relaxed), text.starts_with("error")) {
+        // There is no other place to report the failure at.
+        (false, _) => drop(writeln!(std::io::stderr().lock(), "{text}")),
+        (true, false) => tracing::info!("{text}"),
+        (true, true) => tracing::error!("{text}"),
+    }
 }
 
 /// A text with U+FFFD for control characters: texts of workers and of people's programs are in messages, and a terminal would obey them.

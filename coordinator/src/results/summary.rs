@@ -15,6 +15,9 @@ use std::{collections::BTreeMap, path::Path};
 /// Version of the form of `summary.json`: a reader of this one reads later ones, which only add keys.
 pub const SCHEMA: u32 = 1;
 
+/// End of the name of the accuracy where a program gives cycles: the name before it is that of the wear.
+pub const AROUND_CYCLES: &str = " around cycles of a program";
+
 /// Result of a study.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -127,6 +130,11 @@ impl StudySummary {
     /// True for a mechanism, false for a scene that names its own simulator.
     pub fn of_mechanism(&self) -> bool {
         self.accuracy_settings.is_some()
+    }
+
+    /// True for cycles of a program, around which the study computes the wear.
+    pub fn of_cycles(&self) -> bool {
+        self.accuracy.ends_with(AROUND_CYCLES)
     }
 
     /// Noun for one sample of the study.

@@ -10,9 +10,9 @@ use super::{
 };
 use crate::results::scene_summary::{limit_rows, unit_rows, variable_rows};
 use crate::results::summary::{
-    ConditionRow, Convergence, EvaluationCounts, FailureRow, Failures, FirstFailureRow, MomentsRow,
-    ReliabilityRange, ReliabilityRow, SCHEMA, SensitivityError, SensitivityRow, StudySummary, SurrogateRow,
-    Timing, WorkerShare,
+    AROUND_CYCLES, ConditionRow, Convergence, EvaluationCounts, FailureRow, Failures, FirstFailureRow,
+    MomentsRow, ReliabilityRange, ReliabilityRow, SCHEMA, SensitivityError, SensitivityRow, StudySummary,
+    SurrogateRow, Timing, WorkerShare,
 };
 use crate::statistics::design::InputModel;
 use crate::statistics::reliability::{LifeCounts, OutputDistribution, predict_distributions};
@@ -63,10 +63,10 @@ pub fn blank(scene: &Scene, settings: &Settings) -> StudySummary {
         version: concat!(env!("CARGO_PKG_VERSION"), env!("HINGEWISE_COMMIT")).to_owned(),
         seed: settings.seed,
         method: settings.method.name().to_owned(),
-        accuracy: if mechanism {
-            settings.accuracy.setting.name.clone()
-        } else {
-            "the simulator's own".to_owned()
+        accuracy: match &scene.simulator {
+            None => settings.accuracy.setting.name.clone(),
+            Some(simulator) if simulator.cycles.is_some() => scene.accuracy.name.clone() + AROUND_CYCLES,
+            Some(_) => "the simulator's own".to_owned(),
         },
         accuracy_settings: mechanism.then_some(settings.accuracy.setting.accuracy),
         max_error: settings.accuracy.max_error,

@@ -110,8 +110,9 @@ pub(super) fn stop_in_words(scene: &Scene, learned: &CampaignResult, settings: &
                 format!("the estimated surrogate error is {:.1e} (target {bound})", figures.error)
             } else {
                 format!(
-                    "the estimated surrogate error is below its target {bound}, but has not been for {} rounds and {} points",
-                    targets.hold, held
+                    "the estimated surrogate error is below its target {bound}, but has not been for {} rounds and {} points beyond {} \
+                     simulations",
+                    targets.hold, held, targets.least_points
                 )
             }
         ),

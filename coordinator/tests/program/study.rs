@@ -74,9 +74,16 @@ fn a_study_gives_the_same_answer_whatever_happens_to_it() {
     let r: Vec<f64> = curve.iter().map(|row| row["total"].as_f64().unwrap()).collect();
     assert!(r[0] == 1.0 && r[7] == 0.0 && r.is_sorted_by(|a, b| a >= b), "{r:?}");
 
-    // One worker.
-    done(&run(one, "1"));
+    // One worker; every line of standard error is an object, for programs that collect logs.
+    let logged = |arguments: &[&str]| {
+        let output = coordinator(arguments).args(["--log-format", "json"]).output().unwrap();
+        let lines = String::from_utf8(output.stderr).unwrap();
+        lines.lines().map(|line| serde_json::from_str(line).unwrap()).collect::<Vec<Value>>()
+    };
+    let lines = logged(&run(one, "1"));
+    assert!(lines.iter().any(|line| line["message"].as_str().unwrap().starts_with("round 0: ")), "{lines:?}");
     assert_eq!(answer(one), expected);
+    assert_eq!(logged(&["resume", "nowhere"])[0]["level"], "ERROR");
 
     // Ctrl-C, then resumed by other workers.
     assert_eq!(interrupted(&run(stopped, "1"), stopped, 5, "-INT"), Some(130));

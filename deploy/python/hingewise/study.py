@@ -123,13 +123,15 @@ class Study:
 
         The interval contains sampling, surrogates and numerical error.
         """
+        known = [curve["limit_state"] for curve in self.summary["curves"]]
+        if not known:
+            raise StudyError(f"{self.folder}: has one checkpoint, and no curve over life")
+        if unknown := [name for name in limit_states or [] if name not in known]:
+            raise KeyError(f"{unknown[0]}: the limit states are {', '.join(known)}")
         if ax is None:
             from matplotlib import pyplot
 
             _, ax = pyplot.subplots()
-        known = [curve["limit_state"] for curve in self.summary["curves"]]
-        if unknown := [name for name in limit_states or [] if name not in known]:
-            raise KeyError(f"{unknown[0]}: the limit states are {', '.join(known)}")
         for curve in self.summary["curves"]:
             name = curve["limit_state"]
             if limit_states is None or name in limit_states:
@@ -141,19 +143,16 @@ class Study:
         return ax
 
     def _repr_html_(self) -> str:
-        """The lives with their intervals and how the study ended, as a notebook shows it."""
-
-        def cycles(value: object) -> str:
-            return f"{value:,.0f}".replace(",", " ") if isinstance(value, (int, float)) else "–"
-
-        rows = [
-            f"<tr><td>{escape(row['limit_state'])}</td><td>{row['level']}</td><td>{row.get('bound') or ''} {cycles(row['cycles'])}</td>"
-            f"<td>{cycles(row.get('interval_lower'))} to {cycles(row.get('interval_upper'))}</td></tr>"
-            for row in self.rows("lives")
-        ]
-        head = "<tr><th>limit state</th><th>R</th><th>life [cycles]</th><th>95 % interval</th></tr>"
+        """The lives, or R of a study of one checkpoint, with their intervals and how the study ended, as a notebook shows them."""
+        head: tuple[str, ...] = ("limit state", "R", "life [cycles]", "95 % interval")
+        rows: list[tuple[str, ...]] = [(row["limit_state"], str(row["level"]), *_in_words(row)) for row in self.rows("lives")]
+        if not rows:
+            head, only = (*head[:2], head[3]), self.summary["reliability"][-1]
+            limits = ((name, *of.values()) for name, of in only["interval"].items())
+            rows = [(name, f"{only[name]:.6g}", f"{lower:.6g} to {upper:.6g}") for name, lower, upper in limits]
+        lines = [f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in [head, *rows]]
         title = f"<b>{escape(self.summary['scene'])}</b>, {self.summary['evaluations']['total']} simulations, {escape(self.ending)}"
-        return f"<div>{title}<table>{head}{''.join(rows)}</table></div>"
+        return f"<div>{title}<table>{''.join(lines)}</table></div>"
 
     def rows(self, table: str) -> Rows:
         """A table as a list of dictionaries; empty if the study has none of it."""
@@ -242,3 +241,17 @@ def _life(row: Mapping[str, Any]) -> dict[str, Any]:
     """A life; the level of reliability is called so, since `reliability` is a curve."""
     found = flat(row)
     return {"limit_state": found.pop("limit_state"), "level": found.pop("reliability"), **found}
+
+
+def _in_words(life: Mapping[str, Any]) -> tuple[str, str]:
+    """A life [cycles] with its interval; where it is not known, the life that it is beyond or before."""
+
+    def shown(value: float | None) -> str:
+        return "unknown" if value is None else f"{value:,.0f}".replace(",", " ") if value >= 1000 else f"{value:.4g}"
+
+    lower, upper = life.get("interval_lower"), life.get("interval_upper")
+    if life["cycles"] is not None:
+        return shown(life["cycles"]), f"{shown(lower)} to {shown(upper)}"
+    if upper is None:
+        return (f"beyond {shown(lower)}" if lower else "not known"), ""
+    return (f"before {shown(upper)}" if not lower else "not known"), f"{shown(lower)} to {shown(upper)}" if lower else ""

@@ -170,6 +170,22 @@ class WithStudy(unittest.TestCase):
         with self.assertRaisesRegex(KeyError, "waer: the limit states are wear, total"):
             self.study.plot(limit_states=["waer"])
 
+    def test_issue_a_notebook_showed_bounds_as_half_an_interval(self):
+        seen = copy.copy(self.study)
+        seen.summary = copy.deepcopy(self.study.summary)
+        for life, (cycles, lower, upper) in zip(
+            seen.summary["lives"], [(None, 8000.0, None), (None, 0.0, 5.0), (None, 0.0, None), (27.9012, 27.5896, 28.2551)], strict=False
+        ):
+            life |= {"cycles": cycles, "interval": {"lower": lower, "upper": upper}}
+        page = seen._repr_html_()
+        for shown in ("<td>beyond 8 000</td><td></td>", "<td>before 5</td>", "<td>not known</td>", "<td>27.9</td><td>27.59 to 28.26</td>"):
+            self.assertIn(shown, page)
+        only = seen.summary["reliability"][4]
+        seen.summary |= {"lives": [], "curves": [], "reliability": [only]}
+        self.assertIn(f"<td>total</td><td>{only['total']:.6g}</td>", seen._repr_html_())
+        with self.assertRaisesRegex(hingewise.StudyError, "one checkpoint"):
+            seen.plot()
+
     def test_own_samples_are_simulated_in_their_order(self):
         rows = [{"friction": 0.04}, {"no_variable": 1}, {"friction": 0.06, "parameters.width": "11 mm"}, {"friction": -1}]
         first, second, third, fourth = hingewise.evaluate(small(), rows, accuracy="draft", at_once=2)
@@ -211,6 +227,7 @@ class WithStudy(unittest.TestCase):
         with self.assertWarns(hingewise.StudyWarning) as warned:
             again = hingewise.resume("study")
         stopped = again.summary["convergence"]["stopped_because"]
+        self.assertIn("points beyond 30 simulations", stopped)
         self.assertIn(stopped, again.ending)
         self.assertIn(stopped, str(warned.warning))
         self.assertIn(f"stopped because {stopped}", again.printed)

@@ -79,6 +79,8 @@ fn a_worker_and_a_coordinator_that_are_killed_repeat_no_cycle_but_the_one_under_
         assert!(coordinator(&[&options[..], &farm].concat()).end(MINUTES).success());
 
         assert!(same_results(&whole, &killed));
+        let summary = std::fs::read_to_string(whole.join("summary.json")).unwrap();
+        assert!(summary.contains("\"accuracy\": \"draft around cycles of a program\""), "{summary}");
         let asked = requests(folder.path());
         let distinct = |all: &[String]| all.iter().cloned().collect::<BTreeSet<_>>();
         assert_eq!(distinct(&undisturbed).len(), undisturbed.len());
@@ -88,4 +90,25 @@ fn a_worker_and_a_coordinator_that_are_killed_repeat_no_cycle_but_the_one_under_
         let journals = std::fs::read_dir(folder.path().join("cycles")).unwrap().count();
         assert_eq!(journals, 0, "of ended lives");
     });
+}
+
+#[test]
+fn quantities_of_the_scene_around_a_program_can_be_set() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = scene(folder.path());
+    let simulate = |options: &[&str]| {
+        let mut command = Command::new(program("coordinator"));
+        command.args(["simulate", "--json"]).arg(&scene).args(options).output().unwrap()
+    };
+    let depth = |options: &[&str]| {
+        let found: serde_json::Value = serde_json::from_slice(&simulate(options).stdout).unwrap();
+        found["max_wear_depth_m"][7].as_f64().unwrap()
+    };
+    let closer = depth(&["--set", "parameters.clearance=20um"]);
+    assert!(closer < 0.95 * depth(&[]), "{closer}");
+    assert_eq!(closer, depth(&["--set", "parameters.clearance=20um", "--set", "load_torque=-0.8 N m"]));
+    let refused = simulate(&["--accuracy", "reference"]);
+    let said = String::from_utf8(refused.stderr).unwrap();
+    assert_eq!(refused.status.code(), Some(2), "{said}");
+    assert!(said.contains("of the wear is `accuracy` in [study]"), "{said}");
 }

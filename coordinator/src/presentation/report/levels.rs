@@ -26,6 +26,9 @@ fn remedy(summary: &StudySummary, row: &ReliabilityRow, place: usize, width: f64
         0 if !is_counting && summary.untested.is_some() => Some("more simulations, `--max-evaluations`"),
         0 => Some("a larger population, `--samples`"),
         1 => Some("more simulations, `--max-evaluations` and a smaller `--target-error`"),
+        _ if summary.of_cycles() => {
+            Some("more `control_points` or a finer `accuracy` of the scene, or more instants of the program")
+        }
         _ if !summary.of_mechanism() => Some("smaller errors, or `levels`, of the simulator"),
         _ if summary.is_direct() => Some("a finer accuracy, `--accuracy`"),
         _ => Some("finer levels or a finer accuracy, `--levels`"),
@@ -39,7 +42,7 @@ const BEYOND_COUNTING: f64 = 1.5;
 fn half_width(summary: &StudySummary, place: usize, width: f64) -> String {
     match (place, width) {
         (2, 0.0) if !summary.of_mechanism() && summary.levels.is_none() => "not stated".to_owned(),
-        (_, width) if width == 0.0 || width >= 1e-4 => fixed(width, 4),
+        (_, width) if !(1e-9..1e-4).contains(&width) => fixed(width, 4),
         _ => three_digits(width),
     }
 }
@@ -154,7 +157,7 @@ pub fn sentences(input: &ReportInput) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::summary::ConditionRow;
+    use crate::results::summary::{AROUND_CYCLES, ConditionRow};
     use crate::results::summary_rows::LevelsRow;
     use crate::tests::test_study;
 
@@ -205,6 +208,15 @@ mod tests {
         assert!(direct.contains("reduced by a finer accuracy, `--accuracy`"), "{direct}");
         let simulator = said(&|summary| summary.accuracy_settings = None, [0.001, 0.0, 0.0]);
         assert!(simulator.contains("numerical error not stated"), "{simulator}");
+        let of_cycles = |summary: &mut StudySummary| {
+            summary.accuracy_settings = None;
+            summary.accuracy += AROUND_CYCLES;
+        };
+        let cycles = said(&of_cycles, [0.001, 1e-243, 0.01]);
+        assert!(
+            cycles.contains("surrogates 0.0000, ") && cycles.contains("reduced by more `control_points`"),
+            "{cycles}"
+        );
         let certain = said(&|_| {}, [0.0; 3]);
         assert!(certain.ends_with("numerical error 0.0000"), "{certain}");
     }

@@ -19,7 +19,7 @@ use super::page::{beside, mark, refer_table};
 use super::tables;
 use super::{Figure, Page, ReportInput, VaryingLoads, WrittenScene, captioned};
 use crate::results::scene_summary::limit_rows;
-use common::scene::{ContactLaw, JointKind, Scene, SimulatorKind, WearingSurfaces};
+use common::scene::{ContactLaw, CycleTier, JointKind, Scene, SimulatorKind, WearingSurfaces};
 use maud::{Markup, PreEscaped, Render, html};
 
 /// Random variables beyond this number are listed in the appendix.
@@ -171,7 +171,16 @@ fn of_mechanism(scene: &Scene) -> Vec<String> {
     }
     let is_used = |law: &ContactLaw| clearances.iter().any(|clearance| clearance.contact_law == *law);
     let laws = ContactLaw::ALL.into_iter().filter(is_used);
-    text.extend(laws.map(|law| format!("Contact by the law {}: {}.", law.word(), law.explanation())));
+    let tier = scene.simulator.as_ref().and_then(|simulator| Some(simulator.cycles.as_ref()?.tier));
+    text.extend(laws.map(|law| match tier {
+        None => format!("Contact by the law {}: {}.", law.word(), law.explanation()),
+        Some(CycleTier::Contact) => format!("Depth and arc of the contact for the wear by the law {}.", law.word()),
+        Some(CycleTier::Reaction) => format!(
+            "Place, depth and arc of the contact follow from the force by the law {}; impacts, and the effect of wear on the motion, \
+             are not contained.",
+            law.word()
+        ),
+    }));
     if scene.joints.iter().any(|joint| !joint.kind.has_clearance()) {
         text.push("Ideal joints have neither clearance nor wear.".to_owned());
     }
@@ -234,6 +243,13 @@ mod tests {
                 assert!(!line.contains(unit), "{unit} in {line}");
             }
         }
+    }
+
+    #[test]
+    fn issue_the_contact_of_the_mechanics_was_stated_of_a_program() {
+        let (_, text) = text_of(include_str!("../../../../../deploy/python/examples/four-bar/mujoco.toml"));
+        assert!(text.contains("follow from the force by the law local-hertz"), "{text}");
+        assert!(!text.contains("feeds energy"), "{text}");
     }
 
     /// Every name of the scene with every word of the language is in the chapter or in the appendix.
