@@ -40,7 +40,7 @@ impl fmt::Display for Warning {
 /// The warnings about a scene: bodies that nothing holds, loads of bodies whose motion is given, and loads that are seen in one cycle only, while cycles
 /// follow each other.
 pub(super) fn warnings(scene: &Scene) -> Vec<Warning> {
-    [loose_bodies(scene), idle_loads(scene), single_loads(scene)].concat()
+    [loose_bodies(scene), idle_loads(scene), single_loads(scene), far_stops(scene)].concat()
 }
 
 fn idle_loads(scene: &Scene) -> Vec<Warning> {
@@ -78,6 +78,26 @@ fn single_loads(scene: &Scene) -> Vec<Warning> {
     let message = "does not repeat, but the cycles follow each other: what comes before a measured cycle has the first value; \
                    write repeat = true, or cycles = 1, checkpoint_every = 1, settle_cycles = 0";
     once.map(|(name, key, ..)| Warning::new(format!("loads.{name}.{key}"), message)).collect()
+}
+
+/// Angle stops that the start angles are more than half a turn beyond.
+fn far_stops(scene: &Scene) -> Vec<Warning> {
+    let start = |body: usize| match scene.bodies[body].motion {
+        Motion::Free { start_angle, .. } => Some(start_angle),
+        Motion::Fixed => Some(0.0),
+        Motion::Driven { .. } => None,
+    };
+    let far = scene.loads.iter().filter_map(|load| {
+        let Load::AngleStop { name, a, b, lower, upper, .. } = load else { return None };
+        let angle = start(*a)? - start(*b)?;
+        let beyond = (angle - upper).max(lower - angle);
+        let message = format!(
+            "begins {:.0} deg beyond its stops: angles count whole turns, and the joints keep those of the start angles",
+            beyond.to_degrees()
+        );
+        (beyond > PI).then(|| Warning::new(format!("loads.{name}"), message))
+    });
+    far.collect()
 }
 
 /// True if a drive turns the body further with every cycle.
@@ -254,13 +274,16 @@ fn of_wear(first: f64, second_key: &str, second: Option<f64>, warn: &mut Warn) {
 mod tests {
     use crate::scene::SceneSource;
 
+    fn keys(source: &SceneSource) -> Vec<String> {
+        source.warnings().into_iter().map(|warning| warning.key).collect()
+    }
+
     #[test]
     fn issue_a_body_that_nothing_holds_had_no_warning() {
         let loose = "[[bodies]]\nname = \"loose\"\nmotion = \"free\"\nmass = \"1 g\"\ninertia = \"1 g mm^2\"\n\
                      centre_of_mass = [\"0 m\", \"0 m\"]\nstart_position = [\"0 m\", \"0 m\"]\nstart_angle = \"0 deg\"\n";
         let four_bar = SceneSource::builtin("four-bar").expect("built in");
         let with_it = SceneSource::parse(&format!("{}\n{loose}", four_bar.text()), "loose").expect("valid");
-        let keys = |source: &SceneSource| source.warnings().into_iter().map(|w| w.key).collect::<Vec<_>>();
         assert_eq!(keys(&with_it), ["bodies.loose"]);
         let on_frame = four_bar.text().replace("body = \"rocker\"\ntorque", "body = \"frame\"\ntorque");
         assert_eq!(keys(&SceneSource::parse(&on_frame, "idle").expect("valid")), ["loads.work"]);
@@ -274,6 +297,19 @@ mod tests {
     }
 
     const FOUR_BAR: &str = include_str!("../../scenes/four-bar.toml");
+
+    #[test]
+    fn issue_a_stop_a_turn_away_from_the_start_had_no_warning() {
+        let four_bar = SceneSource::builtin("four-bar").unwrap();
+        for (upper, expected) in [(360, vec![]), (-200, vec!["loads.gate"])] {
+            let stop = format!(
+                "\n[[loads]]\nname = \"gate\"\ntype = \"angle-stop\"\na = \"rocker\"\nb = \"frame\"\nlower = \"-300 deg\"\n\
+                 upper = \"{upper} deg\"\nstiffness = \"1 N m/rad\"\n"
+            );
+            let source = SceneSource::parse(&(four_bar.text().to_owned() + &stop), "gate").expect("valid");
+            assert_eq!(keys(&source), expected, "{upper}");
+        }
+    }
 
     #[test]
     fn built_in_scenes_have_ordinary_magnitudes() {
