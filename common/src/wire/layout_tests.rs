@@ -12,7 +12,7 @@ use crate::outputs::{
 
 /// Version and layout of the messages: [`PROTOCOL_VERSION`] and the hash of [`frames`]. Where the second changes, a message
 /// has another layout, and the first has to change too.
-const LAYOUT: (u16, u64) = (13, 0xb257_47d7_720a_919e);
+const LAYOUT: (u16, u64) = (14, 0xeee2_2d91_2e06_89ea);
 
 fn accuracy() -> Accuracy {
     Accuracy {

@@ -40,7 +40,6 @@ fn first_cycle() -> impl Strategy<Value = CycleHistory> {
                 speed: force.clone(),
             }],
             bodies: vec![BodyTrace { label: label.clone(), speed: angle.clone(), angle }],
-            slider_position: vec![(label.clone(), force.clone())],
             joint_force: vec![(label, force)],
             ..CycleHistory::default()
         },

@@ -29,9 +29,8 @@ pub(crate) fn written(key: &'static Key) -> Vec<Written> {
         Form::Body | Form::FreeBody | Form::DrivenBody => one(json!({ "type": "string" }), true),
         Form::SignedBody => one(reference("signed_body"), true),
         Form::Direction => {
-            let mut direction = pair(json!({ "type": ["number", "string"] }));
-            direction["not"] = json!({ "const": [0, 0] });
-            one(direction, true)
+            let numbers = pair(json!({ "type": ["number", "string"] }));
+            one(json!({ "allOf": [numbers], "not": { "const": [0, 0] } }), true)
         }
         Form::Pair(kind) => one(pair(of_kind(kind)), true),
         Form::Number(kind, range) => one(

@@ -4,7 +4,9 @@
 use super::observations::{Observations, Sides};
 use super::outliers::outliers;
 use super::{CampaignError, Plan, Settings};
-use crate::statistics::learning::{LearnedThreshold, Mode, checkpoints_that_matter, learned_threshold};
+use crate::statistics::learning::{
+    LearnedThreshold, Mode, checkpoints_that_matter, is_on_grid, learned_threshold,
+};
 use crate::statistics::surrogate::{
     CrossValidation, Effort, Kriging, LeaveOneOut, NoiseShape, PredictionCache, SurrogateError, TrainingSet,
     compare_sharing, fit_surrogate,
@@ -54,7 +56,9 @@ impl<'a> ModeResults<'a> {
         };
         let is_free = |i: &usize| (0..self.points.nrows()).any(|k| !is_shared(k, *i));
         let free = (0..self.values.nrows()).filter(is_free);
-        learned_threshold(free.map(|i| self.values.row(i).iter().copied()), self.threshold)
+        let values = |k: usize| self.points.row(k).iter().copied().collect();
+        let on_grid = (0..self.points.nrows()).all(|k| is_on_grid(values(k)));
+        learned_threshold(free.map(|i| self.values.row(i).iter().copied()), self.threshold, on_grid)
     }
 
     /// The columns of these of some checkpoints.

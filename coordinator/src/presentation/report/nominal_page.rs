@@ -108,7 +108,7 @@ mod tests {
         let mut input = ReportInput::of_one(scene, summary, test_study::report_input().nominal);
         input.notes.push("the cam pulls".into());
         let nominal = input.nominal.as_mut().expect("an evaluation");
-        nominal.errors = nominal.histories.iter().map(|history| vec![1.25e-3; history.len()]).collect();
+        nominal.errors = nominal.histories.iter().map(|history| vec![1.25e-6; history.len()]).collect();
         let facts = [("accuracy", "draft".to_owned())];
         let page = page(&input, &facts, "gravity = 0").html(None);
         for piece in [

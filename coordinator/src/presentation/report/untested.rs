@@ -35,7 +35,7 @@ pub fn no_simulated_failure(summary: &StudySummary) -> Option<String> {
     ))
 }
 
-/// The same for an answer by the surrogates of the study, which takes no notice of the bound.
+/// What simulations do not support of an answer by the surrogates alone, which takes no notice of the bound.
 pub fn not_in_answer(summary: &StudySummary) -> Option<String> {
     let caution = no_simulated_failure(summary)?;
     Some(format!(

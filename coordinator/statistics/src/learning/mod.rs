@@ -46,7 +46,7 @@ pub use exploration::{draw_rim, explore, farthest};
 pub use gaps::{Gap, sample_of_open, widest_gap};
 pub use pool::{JointPool, Pool, choose_pool};
 pub use selection::{LearningFunction, Selection};
-pub use steps::{LearnedThreshold, learned_threshold};
+pub use steps::{LearnedThreshold, is_on_grid, learned_threshold};
 pub use stopping::{EARLY, Figures, Rule, Stopping, StoppingTargets};
 
 /// One limit state: failure when `output` has reached `threshold` from below.

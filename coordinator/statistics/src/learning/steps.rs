@@ -9,7 +9,7 @@
 //!
 //! - where both neighbours of the threshold occur in three simulations or more, they are a and b;
 //! - otherwise, where the four values nearest to the threshold are multiples of a common step h apart, a and b are the
-//!   neighbours of the threshold on that grid, a = b + h;
+//!   neighbours of the threshold on that grid, a = b + h, unless the variables are on grids, too;
 //! - otherwise, where at least two simulations equal the threshold, a = t and b is the next smaller value;
 //! - otherwise the output has no steps, and t' = t.
 //!
@@ -48,10 +48,11 @@ pub struct LearnedThreshold {
 }
 
 /// The threshold of the surrogate of a response with this `threshold`, from its simulated histories `(n)(m,)`, which are
-/// running maxima [unit of the output].
+/// running maxima [unit of the output]. `on_grid` tells whether all variables are on grids ([`is_on_grid`]).
 pub fn learned_threshold<H: Iterator<Item = f64>>(
     histories: impl Iterator<Item = H>,
     threshold: f64,
+    on_grid: bool,
 ) -> LearnedThreshold {
     let none = LearnedThreshold { value: threshold, jump: 0.0, coarse: None };
     let histories: Vec<Vec<f64>> = histories.map(Iterator::collect).collect();
@@ -83,7 +84,7 @@ pub fn learned_threshold<H: Iterator<Item = f64>>(
     {
         return between(b, *a);
     }
-    if let Some((first, step)) = common_step(&values, above) {
+    if !on_grid && let Some((first, step)) = common_step(&values, above) {
         // Rounding of decimal fractions must not move a threshold on the grid to the next value.
         let steps = ((threshold - first) / step - 1e-6).ceil();
         return between(first + (steps - 1.0) * step, first + steps * step);
@@ -124,12 +125,25 @@ fn common_step(values: &[(f64, usize)], above: usize) -> Option<(f64, f64)> {
     }
     let first = above.saturating_sub(NEAREST / 2).min(values.len() - NEAREST);
     let near: Vec<f64> = values[first..first + NEAREST].iter().map(|(y, _)| *y).collect();
-    let differences = || near.windows(2).map(|pair| pair[1] - pair[0]);
+    step_of(&near).map(|step| (near[0], step))
+}
+
+/// The largest step of which the differences of these ascending values are multiples, if they have one.
+fn step_of(values: &[f64]) -> Option<f64> {
+    let differences = || values.windows(2).map(|pair| pair[1] - pair[0]);
     let largest = differences().fold(0.0, f64::max);
-    let rounding = 8.0 * f64::EPSILON * near.iter().fold(0.0, |most: f64, y| most.max(y.abs()));
+    let rounding = 8.0 * f64::EPSILON * values.iter().fold(0.0, |most: f64, y| most.max(y.abs()));
     let none = REMAINDER * largest + rounding;
     let step = differences().fold(0.0, |step, difference| divisor(step, difference, none));
-    (step > LEAST_STEP * largest && step > 1e3 * rounding).then_some((near[0], step))
+    (step > LEAST_STEP * largest && step > 1e3 * rounding).then_some(step)
+}
+
+/// True if the values of a variable in a design of experiments are multiples of a step apart, or all the same: a response of such variables
+/// alone may have their steps.
+pub fn is_on_grid(mut values: Vec<f64>) -> bool {
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    values.len() < 2 || step_of(&values).is_some()
 }
 
 /// The greatest common divisor of two numbers at least 0, with remainders up to `none` taken as 0.
@@ -148,7 +162,7 @@ mod tests {
     use super::*;
 
     fn learned(values: &[f64], threshold: f64) -> LearnedThreshold {
-        learned_threshold(values.iter().map(|y| std::iter::once(*y)), threshold)
+        learned_threshold(values.iter().map(|y| std::iter::once(*y)), threshold, false)
     }
 
     /// Values without a step between -2 and 2.
@@ -202,10 +216,21 @@ mod tests {
     }
 
     #[test]
+    fn issue_rounded_values_of_a_variable_gave_its_response_steps() {
+        let forces: Vec<f64> =
+            [0, 31, 8, 64, 15, 40, 77, 22].iter().map(|k| 1.0 + 0.02 * f64::from(*k)).collect();
+        let free = continuous(8);
+        assert!(is_on_grid(forces.iter().map(|x| (x - 1.3) / 0.7).collect()) && !is_on_grid(free));
+        let found =
+            |on_grid| learned_threshold(forces.iter().map(|y| std::iter::once(*y)), 1.6, on_grid).value;
+        assert_eq!((found(true), (found(false) - 1.59).abs() < 1e-9), (1.6, true));
+    }
+
+    #[test]
     fn issue_an_output_without_scatter_failed_at_the_middle_of_two_checkpoints() {
         for different in [1, 2] {
             let history = |k: usize| (1..=10).map(move |n| f64::from(n) * 10.0 * (1 + k % different) as f64);
-            assert_eq!(learned_threshold((0..20).map(history), 63.0).value, 63.0);
+            assert_eq!(learned_threshold((0..20).map(history), 63.0, false).value, 63.0);
         }
     }
 }
