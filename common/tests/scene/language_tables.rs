@@ -3,10 +3,7 @@
 
 use crate::quantity_patterns::{first_unit, in_range, of_kind, quantities};
 use common::scene::quantity::ANGLE;
-use common::scene::{
-    DEFAULT_LAW, ElementKind, ErrorMeasure, Form, ImpactMeasure, Key, LAWS, Load, OutputKind, OutputUnit,
-    Range,
-};
+use common::scene::*;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 
@@ -29,8 +26,9 @@ pub(crate) fn written(key: &'static Key) -> Vec<Written> {
         Form::Body | Form::FreeBody | Form::DrivenBody => one(json!({ "type": "string" }), true),
         Form::SignedBody => one(reference("signed_body"), true),
         Form::Direction => {
-            let numbers = pair(json!({ "type": ["number", "string"] }));
-            one(json!({ "allOf": [numbers], "not": { "const": [0, 0] } }), true)
+            let mut direction = pair(json!({ "type": ["number", "string"] }));
+            direction["not"] = json!({ "const": [0, 0] });
+            one(direction, true)
         }
         Form::Pair(kind) => one(pair(of_kind(kind)), true),
         Form::Number(kind, range) => one(
