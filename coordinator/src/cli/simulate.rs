@@ -213,36 +213,26 @@ mod tests {
         let mut evaluation = Evaluation::from_histories(cycles, vec![depths, vec![44.4; 8]]);
         evaluation.start = vec![Some(0.0), None];
         evaluation.errors = vec![vec![1e-7; 8], vec![0.1; 8]];
-        let simulated = Simulated {
-            scene: &scene,
-            accuracy: Some("draft"),
-            evaluation: &evaluation,
-            cautions: vec![],
-            wall: 0.25,
+        let text = |evaluation: &Evaluation, files: &[&Path]| {
+            let (accuracy, cautions) = (Some("draft"), vec![]);
+            Simulated { scene: &scene, accuracy, evaluation, cautions, wall: 0.25 }.text(files)
         };
-        let text = simulated.text(&[Path::new("one.json")]);
-        let lines: Vec<&str> = text.lines().collect();
+        let shown = text(&evaluation, &[Path::new("one.json")]);
+        let lines: Vec<&str> = shown.lines().collect();
         assert_eq!(lines[0], "four-bar: 8 000 cycles, accuracy draft, 0 steps in 0.2 s");
         assert!(
             lines[1].starts_with("max_wear_depth: ")
                 && lines[1].ends_with("10.0 ± 0.100 µm at the end of life")
         );
-        assert!(lines[2].starts_with("coupler_joint_speed: 424 ± 0.955 r/min"), "{text}");
+        assert!(lines[2].starts_with("coupler_joint_speed: 424 ± 0.955 r/min"), "{shown}");
         assert!(
             lines[3].starts_with("limit state wear: 10.0 µm after 8 000 cycles, limit 8.00 µm, margin -25 %"),
-            "{text}"
+            "{shown}"
         );
         assert_eq!(lines[4..], ["written: one.json"]);
         evaluation.diagnostics.narrow_grooves =
             vec![NarrowGroove { joint: "crank".into(), since: 4000, angle: 1.0, width: 0.3, open: 1.25e-6 }];
-        let simulated = Simulated {
-            scene: &scene,
-            accuracy: Some("draft"),
-            evaluation: &evaluation,
-            cautions: vec![],
-            wall: 0.25,
-        };
-        let text = simulated.text(&[]);
+        let text = text(&evaluation, &[]);
         let line = "joint crank: a groove at 57.3 deg is narrower than the journal, which stays 1.25 µm above its bottom; \
                     first at 4 000 cycles\n";
         assert!(text.ends_with(line), "{text}");
