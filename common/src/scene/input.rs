@@ -1,7 +1,7 @@
 //! Files that people write besides scenes, TOML or CSV: read by the same [`Section`]s, with all faults at once, each with its line.
 
 use super::context::{Context, NONE};
-use super::csv_file::{CsvRow, csv_rows};
+use super::csv_file::{Cell, CsvRow, csv_rows};
 use super::document::document;
 use super::extends::read_input as read;
 use super::faults::{Fault, Faults};
@@ -69,7 +69,7 @@ impl InputFile {
 }
 
 /// What `reader` makes of the rows of a CSV text, each with its line and its cells as texts by `columns`, unless it records a fault; empty
-/// cells are absent. A first line that begins with the name of the first column is a heading.
+/// cells are absent. A first line of names of columns is a heading, which may have another order; so is one that begins with the first.
 ///
 /// # Errors
 /// All faults, with their places; the key of a fault is its column.
@@ -80,7 +80,12 @@ pub fn read_rows<T>(
     reader: impl FnOnce(&mut [(u64, Section)]) -> T,
 ) -> Result<T, Faults> {
     let all = csv_rows(text);
-    let is_heading = all.first().is_some_and(|row| row.cells[0].text.eq_ignore_ascii_case(columns[0]));
+    let named = |cell: &Cell| columns.iter().copied().find(|name| cell.text.eq_ignore_ascii_case(name));
+    let first = all.first().map_or(&[][..], |row| &row.cells);
+    let heading: Option<Vec<&str>> = first.iter().map(named).collect();
+    let is_heading = !all.is_empty() && (heading.is_some() || named(&first[0]) == Some(columns[0]));
+    let ordered = heading.filter(|heading| heading.len() > 1);
+    let columns = ordered.as_deref().unwrap_or(columns);
     let rows = &all[usize::from(is_heading)..];
     let table = |row: &CsvRow| -> Table {
         let cells = columns.iter().zip(&row.cells).filter(|(_, cell)| !cell.text.is_empty());

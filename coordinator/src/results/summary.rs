@@ -127,6 +127,12 @@ impl StudySummary {
         self.units = unit_rows(scene);
     }
 
+    /// Points of an unconditional population that counts rare failures as finely.
+    pub fn unconditional_points(&self) -> usize {
+        let share = self.conditional.as_ref().map_or(1.0, |condition| condition.probability);
+        (self.population as f64 / share) as usize
+    }
+
     /// True for a mechanism, false for a scene that names its own simulator.
     pub fn of_mechanism(&self) -> bool {
         self.accuracy_settings.is_some()

@@ -252,6 +252,10 @@ impl Settings {
             return Ok(());
         }
         if self.initial < SMALLEST_DESIGN {
+            if let given @ 1.. = self.initial_samples.len() {
+                let allowed = format!("at least {} samples", SMALLEST_DESIGN - 1);
+                return refuse("initial_from", &given, allowed);
+            }
             return refuse("initial", &self.initial, format!("at least {SMALLEST_DESIGN}"));
         }
         for (key, value) in [("samples", self.samples), ("max_evaluations", self.max_evaluations)] {

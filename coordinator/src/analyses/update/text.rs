@@ -1,6 +1,7 @@
 //! Updated units with their tables and figures, and as CSV.
 
 use super::result::{FleetReport, RemainingLife, UnitReport, UpdatedVariable};
+use crate::presentation::format::rounded_cycles;
 use crate::presentation::report::{
     Answer, AnswerPart, Axis, Figure, Ink, Plot, Points, SERIES, Series, Shape, Table, csv,
 };
@@ -64,13 +65,17 @@ fn unit_row(unit: &UnitReport, end: f64) -> Vec<String> {
         return [name, until].into_iter().chain(nothing).chain([why]).collect();
     };
     let r = format!("{:.3} ± {:.3}", there.reliability["total"], there.standard_error["total"]);
-    let left = |life: Option<f64>| life.map_or(format!("> {:.0}", end - now), |life| format!("{life:.0}"));
+    let RemainingLife { p5, p50, p95, .. } = unit.remaining;
+    let width = 0.5 * (p95.unwrap_or(end - now) - p5.unwrap_or(0.0));
+    // Whole cycles but for lives that these would not tell apart.
+    let cycles = |life| if width < 10.0 { rounded_cycles(life, width) } else { format!("{life:.0}") };
+    let left = |life: Option<f64>| life.map_or_else(|| format!("> {}", cycles(end - now)), cycles);
     let monte_carlo = || format!("sequential Monte Carlo, {stages} stages");
     let method = if *stages == 0 { "weights".to_owned() } else { monte_carlo() };
     let [low, median, high] = match unit.failed_by {
         Some(_) => ["failed"; 3].map(str::to_owned),
         None if !resolved => ["not resolved"; 3].map(str::to_owned),
-        None => [unit.remaining.p5, unit.remaining.p50, unit.remaining.p95].map(left),
+        None => [p5, p50, p95].map(left),
     };
     let size = if *resolved { format!("{size:.0}") } else { format!("{size:.2}") };
     vec![name, until, r, low, median, high, size, method]

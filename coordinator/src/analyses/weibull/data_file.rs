@@ -66,7 +66,7 @@ pub fn read(path: &Path, question: &LifeQuestion<'_>) -> Result<Vec<UnitLife>, F
 pub fn parse(text: &str, file: &str, question: &LifeQuestion<'_>) -> Result<Vec<UnitLife>, Faults> {
     let head = csv_rows(text).into_iter().next().map_or(vec![], |row| row.cells);
     let named: Vec<&str> = head.iter().map(|cell| cell.text).collect();
-    let has_head = named.first().is_some_and(|first| first.eq_ignore_ascii_case("unit"));
+    let has_head = named.iter().any(|name| name.eq_ignore_ascii_case("unit"));
     let columns = if has_head { named } else { vec!["unit", "cycles", "state", "mode", "from"] };
     let word = if columns.contains(&"quantity") { "quantity" } else { "state" };
     read_rows(text, file, &columns, |rows| {
@@ -85,7 +85,7 @@ fn add(row: &mut Section, word: &'static str, question: &LifeQuestion<'_>, units
     let state = row.text(word, "failed, running or interval");
     let counts = |state: &&str| !is_observation || ["failed", "survived"].contains(state);
     let (Some(name), Some(state)) = (name, state.filter(counts)) else { return };
-    let Some(cycles) = life(row, "cycles", question.end) else { return };
+    let Some(cycles) = life(row, "cycles", question.end, ", the end of the study") else { return };
     let before = units.iter().position(|unit| unit.name == name);
     if before.is_some_and(|place| !is_observation || units[place].failed.is_some()) {
         let what = if is_observation { "has failed in a row before" } else { "has a row already" };
@@ -122,7 +122,7 @@ fn add(row: &mut Section, word: &'static str, question: &LifeQuestion<'_>, units
         "interval" => {
             let from = match row.get("from") {
                 Some(value) if value.as_str() == Some("0") => Some(0.0),
-                _ => life(row, "from", cycles),
+                _ => life(row, "from", cycles, ""),
             };
             if from.is_some_and(|from| from >= cycles) {
                 row.inconsistent("from", format!("allowed: a life before {cycles} cycles"));
@@ -134,10 +134,10 @@ fn add(row: &mut Section, word: &'static str, question: &LifeQuestion<'_>, units
     }
 }
 
-/// A number of cycles above 0, up to `end`.
-fn life(row: &mut Section, column: &'static str, end: f64) -> Option<f64> {
+/// A number of cycles above 0, up to `end`, which is `what`.
+fn life(row: &mut Section, column: &'static str, end: f64, what: &str) -> Option<f64> {
     let text = row.text(column, "a number of cycles")?;
-    let up_to = if end.is_finite() { format!(" and up to {end:.0}") } else { String::new() };
+    let up_to = if end.is_finite() { format!(" and up to {end:.0}{what}") } else { String::new() };
     positive(row, column, text, end, &format!("a number of cycles above 0{up_to}"))
 }
 
@@ -188,7 +188,7 @@ mod tests {
         let found = faults(text, &question).join("\n");
         for says in [
             "fleet.csv:2:3",
-            "\"0\": allowed: a number of cycles above 0 and up to 9000",
+            "\"0\": allowed: a number of cycles above 0 and up to 9000, the end of the study",
             "\"stopped\": allowed: failed, running or interval",
             "fleet.csv:4:3",
             "did you mean \"wear\"?",
@@ -205,5 +205,7 @@ mod tests {
         let found = faults(observed, &ALL).join("\n");
         assert!(found.contains("had survived 50") && found.contains("has failed in a row before"), "{found}");
         assert!(faults("unit,cycles,state\n", &ALL)[0].contains("no row"));
+        let other_order = parse("state,cycles,unit\nrunning,50,A\n", "f", &ALL);
+        assert_eq!(other_order.unwrap(), [UnitLife::Running(50.0)]);
     }
 }

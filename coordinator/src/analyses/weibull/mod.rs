@@ -98,7 +98,7 @@ impl WeibullReport {
     /// [`RefusedQuestion`] if there is no such curve.
     pub fn compare(&mut self, summary: &StudySummary, curve: &str) -> Result<(), RefusedQuestion> {
         let row = curve_of(summary, curve)?;
-        let points = summary.population;
+        let points = summary.unconditional_points();
         let limits = row.limits();
         let mut rng = open_stream(summary.seed, Stream::Curve);
         let band = CurveBand::new(&row.cycles, &row.reliability, limits, points, &mut rng);
