@@ -71,7 +71,7 @@ pub fn optimise(arguments: &OptimiseArguments, verbosity: Verbosity) -> Done {
     let sets = problem.settings(base.nominal(), &result.values).map_err(AnalysisError::from)?;
     let changed = redistributed(&base, &sets)?;
     let found = opened.ask(&base, &changed)?;
-    let result = result.with_numerical_errors(&found.after);
+    let result = result.with_errors_of(&found.after, found.region.unknown_share());
     let mut document = json(&found, result.evaluations.added);
     document["optimum"] = serde_json::to_value(&result)?;
     let curves = [("study", found.before), ("optimum", found.after)]

@@ -172,8 +172,9 @@ fn front_row(point: &FrontPoint) -> Vec<String> {
 /// Sentences on errors and prices.
 fn notes(result: &OptimisationResult) -> Vec<String> {
     let intervals = "Reliabilities have 95 % intervals. That of the optimum is integrated along lines over the surrogates; its interval \
-                     contains the surrogate error and the numerical error of the simulations. The counted one is that of a population \
-                     that the surrogates classify at the optimum, without numerical errors.";
+                     contains the surrogate error and the numerical error of the simulations, and that all or none may fail of the \
+                     units outside of what was simulated, if these are most of them. The counted one is that of a population that the \
+                     surrogates classify at the optimum, without these errors.";
     let mut notes = vec![intervals.to_owned()];
     if let Some(Grades { examined, proved, relaxed_cost }) = result.grades {
         let proof = "on the surrogates no other combination of the allowed grades is cheaper";

@@ -114,10 +114,10 @@ impl OptimisedTarget {
 }
 
 impl OptimisationResult {
-    /// The result with the numerical errors in the intervals of its reliabilities: those of `optimum`, the study's answer for the
-    /// optimum.
+    /// The result with the numerical errors in the intervals of its reliabilities, those of `optimum`, the study's answer for the
+    /// optimum; and with the share `unknown` of its units, outside of what was simulated, of which all or none may fail [1].
     #[must_use]
-    pub fn with_numerical_errors(mut self, optimum: &StudySummary) -> Self {
+    pub fn with_errors_of(mut self, optimum: &StudySummary, unknown: f64) -> Self {
         let judged = |mut target: OptimisedTarget| {
             let row = optimum.reliability.iter().find(|row| row.cycles == target.cycles);
             let name = target.limit_state.map_or("total", |place| optimum.limit_states[place].as_str());
@@ -126,8 +126,9 @@ impl OptimisationResult {
                 let [own, range] = [target.interval, [r - reach, r + reach]]
                     .map(|[lower, upper]| ReliabilityRange { lower, upper });
                 let ReliabilityRange { lower, upper } = own.widened(r, range);
-                target.interval = [lower, upper];
+                target.interval = [(lower - unknown).max(0.0), (upper + unknown).min(1.0)];
             }
+            target.at_least = target.at_least.map(|bound| (bound - unknown).max(0.0));
             target.judged(self.feasible)
         };
         self.targets = self.targets.into_iter().map(judged).collect();

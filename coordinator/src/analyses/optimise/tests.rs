@@ -379,8 +379,11 @@ fn issue_a_target_is_met_only_by_the_whole_interval_with_the_numerical_errors() 
     let parts = ErrorParts { numerical: 0.26, ..ErrorParts::default() };
     row.parts.insert("c".to_owned(), parts);
     let reliability = found.targets[2].reliability;
-    let judged = found.clone().with_numerical_errors(&summary);
+    let judged = found.clone().with_errors_of(&summary, 0.0);
     assert_eq!(states(&judged), [MetWithinErrors; 3]);
     let [lower, upper] = judged.targets[2].interval;
     assert!(lower < reliability - 0.498 && upper >= reliability && !judged.targets[2].met, "{lower} {upper}");
+    // Nine of ten units outside of what was simulated, of which all or none may fail.
+    let unknown = found.clone().with_errors_of(&summary, 0.9).targets.swap_remove(2);
+    assert!(unknown.interval == [(lower - 0.9).max(0.0), 1.0] && unknown.state == MetWithinErrors);
 }
