@@ -164,9 +164,8 @@ impl Finding<'_> {
             let on_bound = at_lower.or((at > 1.0 - ON_BOUND).then_some("upper"));
             let is_spread = quantity.kind.is_spread();
             let scale = if is_spread { was.abs() } else { (quantity.upper - quantity.lower).abs() };
-            let change = is - was;
-            let advice = match (is_spread, change < 0.0) {
-                _ if change.abs() <= KEPT * scale => "keep",
+            let advice = match (is_spread, is < was) {
+                _ if (is - was).abs() <= KEPT * scale => "keep",
                 (true, true) => "tighten",
                 (true, false) => "loosen",
                 (false, true) => "lower",

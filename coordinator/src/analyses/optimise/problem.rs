@@ -119,6 +119,8 @@ pub struct DesignProblem {
     pub targets: Vec<ReliabilityTarget>,
     /// Which bounds of each variable stay where they are, the lower and the upper one; none if there are fewer entries.
     pub fixed_bounds: Vec<[bool; 2]>,
+    /// Which variables have a standard deviation that is a share of the mean; none if there are fewer entries.
+    pub relative_spreads: Vec<bool>,
     /// In a study of designs: its random variables, design variables among them, in whose coordinates the surrogates are.
     pub augmented: Option<InputModel>,
     /// Variables whose distributions follow design variables.
@@ -142,8 +144,8 @@ impl DesignProblem {
     /// # Errors
     /// [`LawError`] of the first distribution that does not exist.
     pub fn variables(&self, inputs: &InputModel, values: &[f64]) -> Result<Vec<Distribution>, LawError> {
-        let moments = inputs.variables().iter().map(|law| (law.parent_mean(), law.given_std()));
-        let mut moments: Vec<(f64, f64)> = moments.collect();
+        let mut moments: Vec<(f64, f64)> =
+            inputs.variables().iter().map(|law| (law.parent_mean(), law.given_std())).collect();
         let mut changed = vec![false; moments.len()];
         for follower in &self.followers {
             let Some(value) = self.value_of(follower.leader, values) else { continue };
@@ -152,12 +154,20 @@ impl DesignProblem {
             let (mean, std) = &mut moments[follower.variable];
             (*mean, *std) = (*mean + follower.mean * shift, *std + follower.std * shift);
         }
-        for (quantity, value) in self.quantities.iter().zip(values) {
+        let mut quantities: Vec<_> = self.quantities.iter().zip(values).collect();
+        // A spread of its own takes the place of one that follows the mean.
+        quantities.sort_by_key(|(quantity, _)| quantity.kind.is_spread());
+        for (quantity, value) in quantities {
             for k in &quantity.variables {
                 changed[*k] = true;
                 let (mean, std) = &mut moments[*k];
                 match quantity.kind {
-                    QuantityKind::Mean => *mean = *value,
+                    QuantityKind::Mean => {
+                        if self.relative_spreads.get(*k) == Some(&true) {
+                            *std *= (value / *mean).abs();
+                        }
+                        *mean = *value;
+                    }
                     QuantityKind::Std => *std = *value,
                     QuantityKind::Tolerance { capability } => *std = value / (6.0 * capability),
                 }

@@ -4,7 +4,7 @@ use super::problem::{DesignProblem, DesignQuantity, Grade, QuantityKind, Reliabi
 use super::problem_costs;
 use crate::analyses::designs::{DesignSpace, DesignVariable};
 use crate::analyses::quantity::{ShownUnit, checkpoint, limit_state};
-use crate::statistics::design::{InputModel, fixed_bounds};
+use crate::statistics::design::{InputModel, fixed_bounds, relative_spreads};
 use common::random::Distribution;
 use common::scene::quantity::NUMBER;
 use common::scene::{FaultKind, Faults, InputFile, Range, Scene, SceneSource, Section, nearest};
@@ -50,7 +50,8 @@ pub fn read(
             }
         }
         let quantities = quantities.into_iter().flatten().collect();
-        DesignProblem { quantities, targets, fixed_bounds: fixed_bounds(source), ..DesignProblem::default() }
+        let (fixed_bounds, relative_spreads) = (fixed_bounds(source), relative_spreads(source));
+        DesignProblem { quantities, targets, fixed_bounds, relative_spreads, ..DesignProblem::default() }
     })?;
     file.refuse_for(reader.impossible_bounds(&problem))?;
     let Some((space, studied)) = designs else { return Ok(problem) };

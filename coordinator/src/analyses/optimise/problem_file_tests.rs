@@ -13,6 +13,7 @@ const SCENE: &str = r#"
         { name = "b", mean = "10 mm", std = "5 um", unit = "mm", distribution = "normal" },
         { name = "c", mean = "2 mm", std = "5 um", unit = "mm", distribution = "lognormal" },
         { name = "n", mean = 3, std = 0.1, distribution = "normal" },
+        { name = "r", mean = 4, std = "5 %", distribution = "normal" },
     ]
 "#;
 
@@ -55,6 +56,25 @@ fn quantities_are_read_in_their_units() {
     let changed = problem.variables(&inputs, &[7.98e-6, 3e-6, 3.5]).unwrap();
     assert!((changed[1].std() - 1e-6).abs() < 1e-12 && (changed[2].std() - 3e-6).abs() < 1e-12);
     assert_eq!(changed[3].mean(), 3.5);
+}
+
+#[test]
+fn issue_a_standard_deviation_in_per_cent_follows_a_changed_mean() {
+    let quantity = |change: &str, [lower, upper]: [f64; 2]| {
+        format!(
+            "{{ change = \"{change}\", lower = {lower}, upper = {upper}, cost = {{ model = \"linear\", c1 = 1 }} }}"
+        )
+    };
+    let [mean, spread] = [quantity("r.mean", [2.0, 8.0]), quantity("r.std", [0.1, 0.5])];
+    let inputs = InputModel::from_scene(SceneSource::parse(SCENE, "stack").unwrap().nominal());
+    for (quantities, values, std) in
+        [(vec![&mean], vec![6.0], 0.3), (vec![&spread, &mean], vec![0.4, 6.0], 0.4)]
+    {
+        let rows = quantities.into_iter().map(String::as_str).collect::<Vec<_>>().join(", ");
+        let problem = read(&format!("quantities = [{rows}]\ntargets = [{{ reliability = 0.99 }}]")).unwrap();
+        let law = &problem.variables(&inputs, &values).unwrap()[4];
+        assert!((law.mean() - 6.0).abs() + (law.std() - std).abs() < 1e-12, "{law:?}");
+    }
 }
 
 #[test]

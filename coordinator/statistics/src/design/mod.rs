@@ -15,7 +15,7 @@ mod population;
 pub use deviation::deviation;
 pub use input_model::InputModel;
 pub use latin_hypercube::latin_hypercube;
-pub use moments::{fixed_bounds, with_moments};
+pub use moments::{fixed_bounds, relative_spreads, with_moments};
 pub use population::{Population, choose_by_latin_hypercube, nominal_and_random};
 
 use rand_chacha::ChaCha12Rng;

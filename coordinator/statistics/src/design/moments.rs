@@ -14,12 +14,21 @@ use toml::Value;
 
 /// Bounds that the scene gives, by variable.
 pub fn fixed_bounds(source: &SceneSource) -> Vec<[bool; 2]> {
+    by_row(source, |row| ["lower", "upper"].map(|key| row.get(key).is_some()))
+}
+
+/// Variables whose standard deviation the scene gives as a share of the mean, which it follows.
+pub fn relative_spreads(source: &SceneSource) -> Vec<bool> {
+    by_row(source, |row| {
+        row.get("std").and_then(Value::as_str).is_some_and(|text| text.trim_end().ends_with('%'))
+    })
+}
+
+/// A property of the row of every random variable in the text of its scene; the default without a row.
+fn by_row<T: Default>(source: &SceneSource, of: impl Fn(&Value) -> T) -> Vec<T> {
     let rows = source.document.get("variables").and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
-    let given = |name: &str| {
-        let row = rows.iter().find(|row| row.get("name").and_then(Value::as_str) == Some(name));
-        ["lower", "upper"].map(|key| row.is_some_and(|row| row.get(key).is_some()))
-    };
-    source.variables().iter().map(|variable| given(&variable.name)).collect()
+    let row = |name: &str| rows.iter().find(|row| row.get("name").and_then(Value::as_str) == Some(name));
+    source.variables().iter().map(|variable| row(&variable.name).map(&of).unwrap_or_default()).collect()
 }
 
 /// The distribution with the mean and the standard deviation given [unit of the variable]. `fixed` tells which bounds of a
