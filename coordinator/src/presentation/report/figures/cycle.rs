@@ -8,6 +8,7 @@ use crate::presentation::report::{Axis, Figure, Ink, Plot, Points, ReportInput, 
 use common::outputs::{BodyTrace, CycleHistory};
 use common::scene::monotone::monotone_value;
 use common::scene::{Load, Motion, Output, OutputKind, OutputUnit, Over, Scene};
+use std::collections::BTreeSet;
 
 /// Named curves over time [ms].
 type Traces = Vec<(String, Points)>;
@@ -18,7 +19,7 @@ type BodyQuantity = (fn(&BodyTrace) -> &[f64], OutputUnit, &'static str);
 static SPEED: BodyQuantity = (|body| &body.speed, OutputUnit::AngularVelocity, "angular velocity");
 static ANGLE: BodyQuantity = (|body| &body.angle, OutputUnit::Angle, "angle");
 
-/// Joint forces, angles and angular velocities of the settled first cycle of the unworn nominal mechanism.
+/// Joint forces, angles and angular velocities of the first measured cycle of the unworn nominal mechanism.
 pub fn first_cycle(input: &ReportInput) -> Vec<Figure> {
     let Some(cycle) = input.first_cycle() else { return vec![] };
     let units = &input.scene.units;
@@ -28,9 +29,10 @@ pub fn first_cycle(input: &ReportInput) -> Vec<Figure> {
         let [low, high] = [low, high].map(|value| angle.after(&fixed(value, 3)).replace(" deg", "°"));
         format!("{}: {low} to {high}", body.label)
     });
-    let by_program = input.scene.simulator.is_some();
-    let [state, of] = if by_program {
+    let [state, of] = if input.scene.simulator.is_some() {
         ["Unworn surfaces, as the program gives it.", "Journal's body relative to the bushing's, by joint: "]
+    } else if input.scene.life.is_single_cycle() {
+        ["Unworn nominal mechanism, from its start.", ""]
     } else {
         ["Unworn nominal mechanism, settled.", ""]
     };
@@ -183,32 +185,33 @@ impl VaryingLoads {
         (!loads.is_empty()).then(|| Self { over: crank.map_or("time [s]".to_owned(), of_crank), loads })
     }
 
-    /// A line for each load: its range, and where it is largest in size.
+    /// A line for each load.
     pub fn lines(&self) -> Vec<String> {
-        let line = |(name, unit, points): &(String, String, Points)| {
-            let (low, high) = range(points.iter().map(|point| point.1));
-            let largest = points.iter().copied().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-            let place = largest.map_or(0.0, |point| point.0);
-            let (what, of) = self.over.split_once(" [").unwrap_or((&self.over, ""));
-            let place =
-                format!("{} {}", fixed(place, if of == "s]" { 4 } else { 0 }), of.trim_end_matches(']'));
-            let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
-            let [low, high] = [low, high].map(three_digits);
-            format!("load {name}: {low} to {high}{unit}, largest at {place}, {what}")
-        };
-        self.loads.iter().map(line).collect()
+        self.loads.iter().map(|load| self.line(load)).collect()
+    }
+
+    /// The range of a load, and where it is first largest in size, but for rounding.
+    fn line(&self, (name, unit, points): &(String, String, Points)) -> String {
+        let (low, high) = range(points.iter().map(|point| point.1));
+        let largest = (1.0 - 1e-9) * low.abs().max(high.abs());
+        let place = points.iter().find(|point| point.1.abs() >= largest).map_or(0.0, |point| point.0);
+        let (what, of) = self.over.split_once(" [").unwrap_or((&self.over, ""));
+        let place = format!("{} {}", fixed(place, if of == "s]" { 4 } else { 0 }), of.trim_end_matches(']'));
+        let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+        let [low, high] = [low, high].map(three_digits);
+        format!("load {name}: {low} to {high}{unit}, largest at {place}, {what}")
     }
 
     /// A figure for each unit of the loads.
     pub fn figures(&self) -> Vec<Figure> {
-        let mut units: Vec<&str> = self.loads.iter().map(|load| load.1.as_str()).collect();
-        units.dedup();
+        let units: BTreeSet<&str> = self.loads.iter().map(|load| load.1.as_str()).collect();
         let figure = |(k, unit): (usize, &&str)| {
             let of_unit = self.loads.iter().filter(|load| load.1 == *unit);
             let points = of_unit.clone().flat_map(|load| &load.2);
             let line = |(k, (name, _, points)): (usize, &(String, _, Points))| {
                 Series::new(name, Ink::Series(k), Shape::Line(points.clone()))
             };
+            let lines = joined(of_unit.clone().map(|load| self.line(load)), "; ");
             let series: Vec<Series> = of_unit.enumerate().map(line).collect();
             let (low, high) = range(points.clone().map(|point| point.1));
             let margin = 0.04 * (high - low).max(f64::MIN_POSITIVE);
@@ -217,9 +220,8 @@ impl VaryingLoads {
             let y = Axis::linear(&label, ((low - margin).min(0.0), (high + margin).max(0.0)));
             let figure = &if k == 0 { "loads".to_owned() } else { format!("loads-{}", k + 1) };
             let (what, _) = self.over.split_once(" [").unwrap_or((&self.over, ""));
-            let (title, lines) = (format!("Loads over the {what}"), self.lines().join("; "));
             let caption = format!("By their curves. {lines}.");
-            Plot { figure, x, y, series: &series }.figure(&title, &caption)
+            Plot { figure, x, y, series: &series }.figure(&format!("Loads over the {what}"), &caption)
         };
         units.iter().enumerate().map(figure).collect()
     }
@@ -232,9 +234,22 @@ mod tests {
 
     #[test]
     fn a_table_over_the_crank_is_shown_at_the_angles_at_which_it_acts() {
-        let load = "\n[[loads]]\nname = \"card\"\ntype = \"torque\"\nbody = \"rocker\"\ntorque = { over = { angle = \"crank\" }, \
-                    at = { unit = \"deg\", values = [0, 90, 360] }, value = { unit = \"N m\", values = [1, -4, 1] } }\n";
-        let text = format!("{}{load}", SceneSource::builtin("four-bar").unwrap().text());
+        let load = |name: &str, of: &str, at: &str, unit: &str, values: &str| {
+            format!(
+                "\n[[loads]]\nname = \"{name}\"\n{of} = {{ over = {{ angle = \"crank\" }}, at = {{ unit = \"deg\", values = {at} }}, \
+                 value = {{ unit = \"{unit}\", values = {values} }} }}\n"
+            )
+        };
+        let torque = "type = \"torque\"\nbody = \"rocker\"\ntorque";
+        let force =
+            "type = \"force\"\nat = { body = \"rocker\", point = \"coupler_pin\" }\ndirection = [1, 0]\nsize";
+        let loads = [
+            load("card", torque, "[0, 90, 360]", "N m", "[1, -4, 1]"),
+            // Largest from 60 to 120 deg.
+            load("cut", force, "[0, 60, 120, 360]", "N", "[0, 3, 3, 0]"),
+            load("brake", torque, "[0, 180, 360]", "N m", "[0, 2, 0]"),
+        ];
+        let text = format!("{}{}", SceneSource::builtin("four-bar").unwrap().text(), loads.concat());
         let source = SceneSource::parse(&text, "scene.toml").unwrap();
         let scene = source.nominal();
         let crank = scene.bodies.iter().position(|body| body.name == "crank").unwrap();
@@ -246,9 +261,17 @@ mod tests {
         };
         let cycle: Vec<_> = degrees.iter().map(pose).collect();
         let found = VaryingLoads::new(scene, &cycle, &degrees).unwrap();
-        assert_eq!(found.lines(), ["load card: −4.00 to 1.00 N m, largest at 90 deg, angle of crank"]);
-        let figures = found.figures();
-        assert_eq!((figures.len(), figures[0].name.as_str()), (1, "loads"));
+        let lines = [
+            "load card: −4.00 to 1.00 N m, largest at 90 deg, angle of crank",
+            "load cut: 0 to 3.00 N, largest at 60 deg, angle of crank",
+            "load brake: 0 to 2.00 N m, largest at 180 deg, angle of crank",
+        ];
+        assert_eq!(found.lines(), lines);
+        // One figure for each unit, each with its loads.
+        let [forces, torques] = &found.figures()[..] else { panic!("a figure for each unit") };
+        assert_eq!([&*forces.name, &*torques.name], ["loads", "loads-2"]);
+        assert_eq!(forces.caption, format!("By their curves. {}.", lines[1]));
+        assert_eq!(torques.caption, format!("By their curves. {}; {}.", lines[0], lines[2]));
         // Half way between two points of equal slope, zero: the mean of their values.
         assert!((found.loads[0].2.iter().find(|p| (p.0 - 45.0).abs() < 5.1).unwrap().1 + 1.0).abs() < 1.0);
         assert!(VaryingLoads::new(scene, &cycle[..1], &degrees).is_none());
@@ -269,5 +292,9 @@ mod tests {
             found.caption
         );
         assert!(found.drawing.content.contains("position [mm]"));
+        // A motion seen once has not settled.
+        assert!(figures[0].caption.starts_with("Unworn nominal mechanism, settled. "));
+        (input.scene.life.cycles, input.scene.life.settle_cycles) = (1, 0);
+        assert!(first_cycle(&input)[0].caption.starts_with("Unworn nominal mechanism, from its start. "));
     }
 }
