@@ -79,9 +79,9 @@ pub fn rebuilt(page: &str) -> toml::Table {
                 start["angle"]
             )
             .unwrap();
-            let (velocity, speed) = (&start["velocity [m/s]"], &start["angular velocity"]);
+            let (velocity, speed) = (&start["velocity [mm/s]"], &start["angular velocity"]);
             if velocity != "–" {
-                write!(text, "\nstart_velocity = {}", pair(velocity, "m/s")).unwrap();
+                write!(text, "\nstart_velocity = {}", pair(velocity, "mm/s")).unwrap();
             }
             if speed != "–" {
                 write!(text, "\nstart_speed = \"{speed}\"").unwrap();

@@ -4,7 +4,7 @@
 use super::exact::{ExactTexts, exact, exact_number};
 use crate::presentation::report::format::{UNKNOWN, joined};
 use crate::presentation::report::{WrittenScene, captioned, table_of_text};
-use common::scene::quantity::{ANGLE, ANGULAR_VELOCITY, Kind, LENGTH, NUMBER};
+use common::scene::quantity::{ANGLE, ANGULAR_VELOCITY, Kind, LENGTH, NUMBER, SPEED};
 use common::scene::{
     Attachment, Curve, Drive, Form, JointKind, Key, Load, Motion, OutputUnit, Over, Point, Scene, Table,
     Value,
@@ -78,14 +78,14 @@ pub(super) fn starts(scene: &Scene, written: &WrittenScene) -> Markup {
             return None;
         };
         let texts = ExactTexts::below(written, format!("bodies.{}", body.name));
-        let velocity = start_velocity.map(|velocity| texts.pair("start_velocity", velocity, "m/s"));
+        let velocity = start_velocity.map(|velocity| texts.pair("start_velocity", velocity, "mm/s"));
         let speed = start_speed.map(|speed| texts.value("start_speed", speed, "r/min"));
         let [velocity, speed] = [velocity, speed].map(|text| text.unwrap_or_else(|| UNKNOWN.to_owned()));
         Some([
             ("body", body.name.clone()),
             ("position [mm]", texts.pair("start_position", *start_position, "mm")),
             ("angle", texts.value("start_angle", *start_angle, "deg")),
-            ("velocity [m/s]", velocity),
+            ("velocity [mm/s]", velocity),
             ("angular velocity", speed),
         ])
     });
@@ -245,6 +245,7 @@ fn unit(kind: Kind) -> &'static str {
         LENGTH => "mm",
         ANGLE => "deg",
         ANGULAR_VELOCITY => "r/min",
+        SPEED => "mm/s",
         other => other.si,
     }
 }

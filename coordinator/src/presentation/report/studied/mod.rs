@@ -239,7 +239,10 @@ mod tests {
         let tables = text.split_once("Bodies; inertia").unwrap().1;
         let written = ["parameters", "formulas", "variables", "<code>"];
         for line in tables.split("<tr>").filter(|line| !written.iter().any(|name| line.contains(name))) {
-            for unit in [" mm<", " mm,", " mm;", "[mm]", " µm<", " N<", " N,", " N m<", " GPa", " g<"] {
+            for unit in [
+                " mm<", " mm,", " mm;", "[mm]", " µm<", " N<", " N,", " N m<", " GPa", " g<", "[m/s]",
+                " m/s<", " m/s,",
+            ] {
                 assert!(!line.contains(unit), "{unit} in {line}");
             }
         }
