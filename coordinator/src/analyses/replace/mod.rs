@@ -189,7 +189,8 @@ pub fn replace(
     let changed = unresolved.map(|fall| with_constant_hazard_before(f64::from(fall.to), &curve));
     let [cycles, reliability, lower, upper] = changed.unwrap_or(curve);
     let mut rng = open_stream(summary.seed, Stream::Curve);
-    let band = CurveBand::new(&cycles, &reliability, [&lower, &upper], summary.unconditional_points(), &mut rng);
+    let band =
+        CurveBand::new(&cycles, &reliability, [&lower, &upper], summary.unconditional_points(), &mut rng);
     let stated = |of: &dyn Fn(&SurvivalCurve) -> Option<f64>| {
         let value = of(&band.best)?;
         band.interval(of).map(|[lower, upper]| Stated { value, lower, upper })
