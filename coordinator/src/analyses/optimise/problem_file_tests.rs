@@ -114,7 +114,7 @@ fn all_faults_are_reported_at_once() {
     )
     .unwrap_err();
     let expected = [
-        "3: quantities[1].change: there is no random variable \"d\"; there are: a, b, c, n",
+        "3: quantities[1].change: there is no random variable \"d\"; there are: a, b, c, n, r",
         "4: quantities[2].lower: 0.009 mm is out of range, allowed: below upper, 0.003 mm",
         "4: quantities[2].cost.model: \"cubic\" is unknown; allowed: reciprocal-power, exponential, linear, table",
         "5: quantities[3].upper: 3 has no unit, expected a length (mm, um, m, ...)",
