@@ -39,6 +39,9 @@ pub struct TradeoffArguments {
     /// draft+step-x0.71+jump-4000
     #[arg(long, value_name = "NAME", value_parser = accuracy_name(), hide_possible_values = true, conflicts_with = "settings", help_heading = "Method")]
     pub setting: Vec<NamedAccuracy>,
+    /// Accuracy that all are compared with, e.g. reference+points-x4 for the effect of the control points
+    #[arg(long, value_name = "NAME", default_value = "reference", value_parser = accuracy_name(), hide_possible_values = true, help_heading = "Method")]
+    pub reference: NamedAccuracy,
     /// Folder for the results, created if missing
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     pub out: Option<PathBuf>,
@@ -54,6 +57,7 @@ pub fn tradeoff(arguments: &TradeoffArguments, verbosity: Verbosity) -> Done {
     check_linkage(source.origin(), &source, scene)?;
     arguments.out.as_deref().map(create_folder).transpose()?;
     let plan = TradeoffPlan {
+        reference: arguments.reference.clone(),
         settings: chosen(arguments),
         points: nominal_and_random(scene, scene.study.seed, arguments.samples - 1),
     };
@@ -68,7 +72,8 @@ pub fn tradeoff(arguments: &TradeoffArguments, verbosity: Verbosity) -> Done {
     // What is complete is written even if the rest is missing.
     if !measurement.reference.is_empty() {
         let rows = compare(scene, &plan.settings, &measurement);
-        let answer = answer(scene, &rows, &reference_row(scene, &measurement), measurement.reference.len());
+        let reference = reference_row(scene, &plan.reference, &measurement);
+        let answer = answer(scene, &rows, &reference, measurement.reference.len());
         if let Some(folder) = &arguments.out {
             let values = values_csv(scene, &plan.settings, &measurement);
             write_text(&folder.join("values.csv"), &values)?;

@@ -28,8 +28,11 @@ fn every_task_of_a_measurement_has_its_own_accuracy() {
             service::spawn(config, Arc::new(Echo)).expect("a session to a loopback endpoint opens")
         });
         let points = requests(0..3).into_iter().map(|request| request.sample).collect();
-        let plan =
-            TradeoffPlan { settings: settings(["draft", "jump-250", "jump-251"]).expect("settings"), points };
+        let plan = TradeoffPlan {
+            reference: "reference".parse().expect("a preset"),
+            settings: settings(["draft", "jump-250", "jump-251"]).expect("settings"),
+            points,
+        };
         let mut seen = 0;
         let (found, end) = plan.measure(&mut farm, &mut |_| seen += 1);
         farm.finish();

@@ -2,9 +2,9 @@
 //! the errors on the reliability.
 
 use super::lives::{LifeChange, life_changes};
-use super::measure::{Measurement, REFERENCE};
+use super::measure::Measurement;
 use crate::farm::evaluate::Finished;
-use common::accuracy::{Accuracy, NamedAccuracy};
+use common::accuracy::NamedAccuracy;
 use common::outputs::Evaluation;
 use common::scene::{LimitState, Scene};
 use std::collections::BTreeSet;
@@ -84,7 +84,11 @@ pub fn compare(
 }
 
 /// Row of the reference: its cost and, in the column of outputs, its own stated errors.
-pub fn reference_row(scene: &Scene, measurement: &Measurement) -> SettingComparison {
+pub fn reference_row(
+    scene: &Scene,
+    reference: &NamedAccuracy,
+    measurement: &Measurement,
+) -> SettingComparison {
     let mut own: Vec<Finished> = measurement.reference.clone();
     for measured in &mut own {
         if let Ok(evaluation) = &mut measured.outcome {
@@ -93,8 +97,7 @@ pub fn reference_row(scene: &Scene, measurement: &Measurement) -> SettingCompari
             }
         }
     }
-    let setting = NamedAccuracy { name: REFERENCE.into(), accuracy: Accuracy::reference() };
-    row(scene, &setting, &own, &measurement.reference)
+    row(scene, reference, &own, &measurement.reference)
 }
 
 fn row(

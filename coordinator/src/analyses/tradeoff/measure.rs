@@ -1,12 +1,14 @@
 //! Evaluations of several settings at several points by any evaluator.
 
 use crate::farm::evaluate::{EvaluateError, Evaluator, Finished, Request};
-use common::accuracy::{Accuracy, AccuracyNameError, NamedAccuracy};
+use common::accuracy::{AccuracyNameError, NamedAccuracy};
 
 /// Settings and points to be measured.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TradeoffPlan {
-    /// Settings; `reference` is measured in addition.
+    /// The setting that all others are compared with, which is measured in addition.
+    pub reference: NamedAccuracy,
+    /// Settings to compare with it.
     pub settings: Vec<NamedAccuracy>,
     /// Values of the random variables `(points)(d,)` [SI]: first the nominal point, then random ones.
     pub points: Vec<Vec<f64>>,
@@ -15,17 +17,16 @@ pub struct TradeoffPlan {
 /// Evaluations of the reference and of every setting.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measurement {
-    /// Evaluations of `reference` at the points with complete evaluations, the first ones of the plan `(points,)`.
+    /// Evaluations of the reference at the points with complete evaluations, the first ones of the plan `(points,)`.
     pub reference: Vec<Finished>,
     /// Evaluations of every setting of the plan at these points `(settings)(points,)`.
     pub settings: Vec<Vec<Finished>>,
 }
 
 impl TradeoffPlan {
-    /// The requests of the plan, point by point, so that complete points can be compared after an interruption: number (1 + settings) point + k is `reference` for k = 0, else setting k - 1.
+    /// The requests of the plan, point by point, so that complete points can be compared after an interruption: number (1 + settings) point + k is the reference for k = 0, else setting k - 1.
     fn requests(&self) -> Vec<Request> {
-        let accuracies =
-            || [Accuracy::reference()].into_iter().chain(self.settings.iter().map(|s| s.accuracy));
+        let accuracies = || [&self.reference].into_iter().chain(&self.settings).map(|named| named.accuracy);
         let jobs = self.points.iter().flat_map(|point| accuracies().map(move |a| (point, a)));
         (0..).zip(jobs).map(|(id, (point, accuracy))| Request::at(id, point.clone(), accuracy)).collect()
     }
@@ -42,10 +43,10 @@ impl TradeoffPlan {
         let (finished, end) = evaluator.outcomes(&requests, &mut |finished| {
             let k = finished.id as usize;
             done += 1;
-            let setting = (k % per_point).checked_sub(1).map_or(REFERENCE, |s| &self.settings[s].name);
+            let setting = (k % per_point).checked_sub(1).map_or(&self.reference, |s| &self.settings[s]);
             let (point, seconds) = (k / per_point, finished.wall);
             let all = requests.len();
-            progress(format!("{done}/{all} evaluations: {setting} at point {point}, {seconds:.2} s"));
+            progress(format!("{done}/{all} evaluations: {} at point {point}, {seconds:.2} s", setting.name));
         });
         let points = finished.chunks(per_point).map_while(|point| point.iter().cloned().collect());
         let points: Vec<Vec<Finished>> = points.collect();
@@ -54,9 +55,6 @@ impl TradeoffPlan {
         (Measurement { reference, settings }, end)
     }
 }
-
-/// The setting that all others are compared with.
-pub const REFERENCE: &str = "reference";
 
 /// The presets and the combinations that have been on a Pareto front: enough to characterise a scene.
 pub const QUICK: [&str; 10] = [
@@ -111,7 +109,8 @@ mod tests {
 
     fn plan() -> TradeoffPlan {
         let settings = super::super::settings(["draft", "jump-250"]).expect("names of settings");
-        TradeoffPlan { settings, points: vec![vec![1.0], vec![2.0], vec![3.0]] }
+        let reference = "reference".parse().expect("a preset");
+        TradeoffPlan { reference, settings, points: vec![vec![1.0], vec![2.0], vec![3.0]] }
     }
 
     /// Repeats the request in the outcome.

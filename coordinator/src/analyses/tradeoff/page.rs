@@ -17,13 +17,17 @@ pub fn answer(
 ) -> Answer {
     let mut sorted: Vec<&SettingComparison> = rows.iter().collect();
     sorted.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
+    let own_points = if reference.setting.accuracy.points > 1 {
+        ""
+    } else {
+        " All have the control points of the scene: what more of them change is not in these errors."
+    };
     let text = format!(
         "Error: largest difference over all points and checkpoints, relative to the threshold of the output's limit state or to its largest \
          value; in brackets, only up to where the reference reaches that limit. Life: largest change of the life at which the limit is \
          reached. Stated: share of all values whose true error is within {TIMES} times the stated one, which must hold for {:.0} %. R: \
          largest change of the reliability of the random points by any limit state or by all. A star marks the Pareto front of time and \
-         error. The last row is the reference with its own stated error. All have the control points of the scene: what more of them \
-         change is not in these errors.",
+         error. The last row is the reference with its own stated error.{own_points}",
         100.0 * REQUIRED_SHARE
     );
     let table = AnswerPart::Table(table(scene, &sorted, reference));
@@ -34,7 +38,10 @@ pub fn answer(
     let failed = (!names.is_empty()).then_some(AnswerPart::Text(failed));
     Answer {
         name: "tradeoff".to_owned(),
-        title: format!("Accuracy settings of `{}`, against `reference`, at {points} points", scene.name),
+        title: format!(
+            "Accuracy settings of `{}`, against `{}`, at {points} points",
+            scene.name, reference.setting.name
+        ),
         parts: [AnswerPart::Text(text), table].into_iter().chain(failed).collect(),
         files: vec![("tradeoff.csv".to_owned(), settings_csv(scene, rows))],
         prints_markdown: true,

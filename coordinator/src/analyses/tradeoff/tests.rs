@@ -33,6 +33,10 @@ fn scene() -> Scene {
     scene
 }
 
+fn reference() -> NamedAccuracy {
+    "reference".parse().expect("a preset")
+}
+
 fn three() -> Vec<NamedAccuracy> {
     settings(["draft", "balanced", "jump-250"]).expect("names of settings")
 }
@@ -78,7 +82,7 @@ fn errors_lives_and_the_front_are_those_of_made_up_histories() {
 
 #[test]
 fn the_reference_is_shown_with_the_error_it_states_of_itself() {
-    let row = reference_row(&scene(), &measurement());
+    let row = reference_row(&scene(), &reference(), &measurement());
     assert!((row.outputs[0].relative - 0.01 / 2.5).abs() < 1e-12);
     assert_eq!((row.seconds, row.setting.name.as_str()), (9.0, "reference"));
 }
@@ -87,7 +91,7 @@ fn the_reference_is_shown_with_the_error_it_states_of_itself() {
 fn table_and_csv_contain_all_results() {
     let (scene, measurement) = (scene(), measurement());
     let rows = compare(&scene, &three(), &measurement);
-    let answer = answer(&scene, &rows, &reference_row(&scene, &measurement), 2);
+    let answer = answer(&scene, &rows, &reference_row(&scene, &reference(), &measurement), 2);
     let table = answer.text();
     for part in ["500 cycles", "| **draft** * |", "| -1.00 |", "DOES NOT HOLD"] {
         assert!(table.contains(part), "no {part:?} in\n{table}");
@@ -98,6 +102,13 @@ fn table_and_csv_contain_all_results() {
     assert_eq!(lines(csv), 4);
     let columns: Vec<usize> = csv.lines().map(|line| line.split(',').count()).collect();
     assert!(columns.iter().all(|n| *n == columns[0]), "{columns:?}");
+    assert!(table.contains("against `reference`") && table.contains("have the control points of the scene"));
+    let finer = reference_row(&scene, &"reference+points-x4".parse().unwrap(), &measurement);
+    let title = super::answer(&scene, &rows, &finer, 2).text();
+    assert!(
+        title.contains("against `reference+points-x4`") && !title.contains("points of the scene"),
+        "{title}"
+    );
     // A line a setting, point, output and checkpoint.
     assert_eq!(lines(&values_csv(&scene, &three(), &measurement)), 1 + 3 * 2 * 2 * 4);
 }
@@ -110,7 +121,7 @@ fn a_setting_that_fails_everywhere_has_no_errors_and_is_on_no_front() {
     let rows = compare(&scene, &three()[..1], &measurement);
     assert_eq!((rows[0].failures, rows[0].outputs.len(), rows[0].efficient), (2, 0, false));
     assert!(rows[0].lives.is_empty());
-    let answer = answer(&scene, &rows, &reference_row(&scene, &measurement), 2);
+    let answer = answer(&scene, &rows, &reference_row(&scene, &reference(), &measurement), 2);
     assert!(answer.text().contains("failed"));
     let csv = answer.files.iter().find(|file| file.0 == "tradeoff.csv").expect("a table");
     assert_eq!(csv.1.lines().count(), 2);

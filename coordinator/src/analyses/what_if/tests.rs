@@ -276,6 +276,7 @@ variables = [{ name = "force", distribution = "normal", mean = 1, std = 0.1 }]
         let changed = changed_scene(&source, &[format!("yield.threshold={sets}")]).unwrap();
         let found = ask(&study, changed.nominal()).unwrap();
         assert_eq!(found.after.conditional.is_some(), is_rare, "{sets}");
+        assert_eq!(found.after.unconditional_points() > found.after.population, is_rare, "{sets}");
         assert!(found.after.untested.is_none(), "{:?}", found.after.untested);
         let range = found.after.reliability[1].interval_of("total").unwrap();
         let (least, most) = (1.0 - range.upper, 1.0 - range.lower);
