@@ -37,6 +37,7 @@ mod interim;
 mod learner;
 mod life_model;
 mod lives;
+mod mode_results;
 mod monte_carlo;
 mod observations;
 mod outliers;

@@ -46,6 +46,9 @@ pub struct SurrogateRow {
     /// outlier, and in studies by earlier versions.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub outlier: Option<f64>,
+    /// True if the logarithms of the response are learned.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub logarithms: bool,
 }
 
 /// Failure probabilities that no simulation has tested, whose intervals are bounded by the independent samples alone.

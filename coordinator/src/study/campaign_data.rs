@@ -9,7 +9,8 @@
 //! added to them: far from the limit a response may be so steep (`rp31` among the published problems, 256
 //! x^4) that no stationary correlation fits both it and the surroundings of the limit.
 
-use super::surrogates::{ModeResults, Surrogate};
+use super::mode_results::ModeResults;
+use super::surrogates::Surrogate;
 use super::{Failed, Observations, Observed, Outlier};
 use crate::statistics::learning::Mode;
 use common::failure::SimulationFailure;
@@ -119,7 +120,7 @@ impl Surrogate {
         let prediction = self.model.predict(results.points.subcols(n, all - n));
         let (noise, inflation) = (self.model.correlation.noise(), self.inflation());
         let standardised_error = |i: usize, o: usize| {
-            let (value, mean) = (results.values[(n + i, o)], prediction.mean[(o, i)]);
+            let (value, mean) = (self.scale.learned(results.values[(n + i, o)]), prediction.mean[(o, i)]);
             let variance = self.model.sigma2[o] * (prediction.variance_factor[i] + noise) * inflation;
             let error = (value - mean).abs() / variance.max(f64::MIN_POSITIVE).sqrt();
             if verdict(value, mean, self.threshold.value) > Verdict::Confirmed { error } else { 0.0 }
@@ -190,7 +191,7 @@ pub(super) fn judge(
         let mean = surrogate.model.predict(point.as_ref()).mean;
         let values = observed.running_maximum(mode.output);
         for o in &surrogate.fitted_on {
-            let (value, mean) = (values[*o], mean[(*o, 0)]);
+            let (value, mean) = (surrogate.scale.learned(values[*o]), mean[(*o, 0)]);
             let threshold = surrogate.threshold.value;
             gravest.0 = gravest.0.max(verdict(value, mean, threshold));
             gravest.1 = gravest.1.max(approach(value, mean, threshold));

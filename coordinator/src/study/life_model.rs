@@ -17,7 +17,7 @@ use super::{CampaignResult, Observations, Surrogate};
 use crate::statistics::design::InputModel;
 use crate::statistics::learning::{Classification, Mode};
 use crate::statistics::reliability::{ErrorLine, PredictedHistory};
-use crate::statistics::surrogate::ExplicitMean;
+use crate::statistics::surrogate::{ExplicitMean, ResponseScale};
 use common::scene::{Fails, LimitState, Scene};
 use faer::{Mat, MatRef};
 use rayon::prelude::*;
@@ -51,7 +51,7 @@ struct OutputModel {
     limit: Option<LimitState>,
     /// Stated error over the value at each checkpoint `(m,)`.
     errors: Vec<ErrorLine>,
-    /// Standard deviation of the simulations' noise at each checkpoint `(m,)` [unit of the output].
+    /// Standard deviation of the simulations' noise at each checkpoint `(m,)` [unit of the output, or 1 of logarithms].
     noise: Vec<f64>,
 }
 
@@ -62,14 +62,17 @@ fn with_values(
     start: Option<Vec<f64>>,
     by: f64,
 ) -> PredictedHistory {
-    let mut model = surrogate.model.clone();
+    let (mut model, learned) = (surrogate.model.clone(), surrogate.scale_of(values));
+    let is_learned = |start: &Vec<f64>| start.iter().all(|y| learned.learned(*y).is_finite());
+    let common = start.as_ref().and_then(|start| start.iter().all(|y| *y == start[0]).then_some(start[0]));
+    let start = start.filter(is_learned);
     let shift = usize::from(start.is_some());
     let value = |i: usize, n: usize| match &start {
-        Some(start) if n == 0 => start[i],
-        _ => values[(i, n - shift)],
+        Some(start) if n == 0 => learned.learned(start[i]),
+        _ => learned.learned(values[(i, n - shift)]),
     };
     model.set_values(Mat::from_fn(values.nrows(), values.ncols() + shift, value).as_ref());
-    PredictedHistory::new(model, start.is_some(), by)
+    PredictedHistory { learned, start: common, ..PredictedHistory::new(model, start.is_some(), by) }
 }
 
 /// The running maximum of the response of a limit state, from the start of life where that is known. Without it the model is the one
@@ -91,7 +94,10 @@ pub(super) fn history_of_mode(
     }
     let start = observations.starts(output);
     if start.is_none() && !anew {
-        return PredictedHistory::new(model, false, inflation);
+        return PredictedHistory {
+            learned: surrogate.scale,
+            ..PredictedHistory::new(model, false, inflation)
+        };
     }
     with_values(surrogate, &observations.running_maxima(output), start, inflation)
 }
@@ -113,7 +119,7 @@ impl LifeModel {
         let mode = |(s, (mode, surrogate)): (usize, (&Mode, &Surrogate))| {
             let observations = learned.observations.design_of(s);
             let history = history_of_mode(surrogate, &observations, mode.output, true);
-            (history, surrogate.threshold.value)
+            (history, surrogate.scale.value(surrogate.threshold.value))
         };
         let modes: Vec<_> = layout.modes.iter().zip(surrogates).enumerate().map(mode).collect();
         let mut deviations = modes.len();
@@ -207,9 +213,8 @@ impl LifeModel {
         for j in 0..b {
             for (s, (history, threshold)) in self.modes.iter().enumerate() {
                 let in_sigma = std(s, j) * deviations[j * width + s];
-                let mean = predictions[s].mean.col_as_slice(j);
                 values.clear();
-                values.extend(mean.iter().zip(&history.scale).map(|(m, scale)| m + scale * in_sigma));
+                values.extend(history.values(predictions[s].mean.col_as_slice(j), in_sigma));
                 lives.push(self.life(history, *threshold, &values));
             }
         }
@@ -221,7 +226,7 @@ impl LifeModel {
                 let column = means.col_as_slice(j);
                 let sign = limit.as_ref().map_or(1.0, |limit| sign_of_deviation(limit, column));
                 let in_sigma = sign * std(*mode, j) * deviations[j * width + deviation];
-                all.extend(column.iter().zip(&history.scale).map(|(mean, scale)| mean + scale * in_sigma));
+                all.extend(history.values(column, in_sigma));
             }
             all
         };
@@ -247,11 +252,11 @@ impl LifeModel {
     /// Standard deviation of the error of a value at a life, besides that of the surrogate: the stated numerical error of the
     /// simulations (if `numerical`) or their noise, whichever is larger, at the nearer checkpoint [unit of the output].
     pub fn error_at(&self, output: usize, value: f64, life: f64, numerical: bool) -> f64 {
-        let OutputModel { errors, noise, .. } = &self.outputs[output];
+        let OutputModel { errors, noise, history, .. } = &self.outputs[output];
         let distance = |n: &usize| (self.times[*n] - life).abs();
         let nearest = (0..self.times.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
         let stated = |n: usize| if numerical { errors[n].evaluate(value) } else { 0.0 };
-        nearest.map_or(0.0, |n| stated(n).max(noise[n]))
+        nearest.map_or(0.0, |n| stated(n).max(history.learned.slope(value) * noise[n]))
     }
 }
 
@@ -268,6 +273,7 @@ fn sign_of_deviation(limit: &LimitState, means: &[f64]) -> f64 {
 /// Factor on the predicted variances of an output with the correlation of another one, from leave-one-out errors [1].
 fn own_inflation(surrogate: &Surrogate, values: &Mat<f64>) -> f64 {
     let mut model = surrogate.model.clone();
+    let values = surrogate.scale_of(values).learned_values(values);
     model.set_values(values.as_ref());
     let all = model.leave_one_out(values.as_ref());
     let mean = all.iter().map(|l| l.variance_ratio).sum::<f64>() / all.len().max(1) as f64;
@@ -294,9 +300,9 @@ pub struct ExplicitModel {
 pub struct ExplicitLimitState {
     /// Times of the responses, increasing; 0 for the start of life `(m,)` [cycles].
     pub times: Vec<f64>,
-    /// Responses at these times: `m` of them, or `2 m` of two sides, the first side first.
+    /// Responses at these times, or their logarithms: `m` of them, or `2 m` of two sides, the first side first.
     pub mean: ExplicitMean,
-    /// Predicted standard deviations where the variance factor is 1 `(m,)` [unit of the output].
+    /// Predicted standard deviations where the variance factor is 1 `(m,)` [unit of the output, or 1 of logarithms].
     pub std: Vec<f64>,
     /// Variance factor over the squared norm of the scaled point [1]: the proportion of least squares over the population.
     pub variance: f64,
@@ -304,6 +310,12 @@ pub struct ExplicitLimitState {
     pub threshold: f64,
     /// True if the output has so few values that another threshold would need another fit.
     pub is_coarse: bool,
+    /// True if `mean` and `std` are those of the logarithms of the response.
+    #[serde(default)]
+    pub logarithms: bool,
+    /// Response at the start of life, if it is that of all points [unit of the output].
+    #[serde(default)]
+    pub start: Option<f64>,
 }
 
 impl ExplicitModel {
@@ -340,6 +352,8 @@ impl ExplicitModel {
                     mean,
                     threshold: *threshold,
                     is_coarse: surrogate.threshold.jump > 0.0,
+                    logarithms: history.learned == ResponseScale::Logarithms,
+                    start: history.start,
                 }
             };
         Self {

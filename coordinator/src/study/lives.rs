@@ -51,7 +51,7 @@ pub(super) fn learned_lives(modes: &[Mode], checkpoints: &[u32], learned: &Campa
             index,
             history: history_of_mode(surrogate, &observations, mode.output, false),
             lines: ErrorLine::by_checkpoint(values.as_ref(), errors.as_ref()),
-            threshold: classified.threshold,
+            threshold: surrogate.scale.value(classified.threshold),
             first_failure: &classified.first_failure,
             variance_factor: if as_published { &[] } else { &classified.variance_factor },
         }

@@ -224,9 +224,9 @@ impl<'a> PairedCampaign<'a> {
                     let fails = |sign: f64| {
                         assessment.modes.iter().enumerate().any(|(s, mode)| {
                             let std = mode.sigma[n] * mode.variance_factor[*j].max(0.0).sqrt();
-                            let (correction, reach) = reaches[s];
-                            mode.means_of(*j)[n] + std * deviation(s, *j) + correction + sign * reach
-                                >= mode.threshold
+                            let ((correction, reach), scale) = (reaches[s], assessment.surrogates[s].scale);
+                            let value = scale.value(mode.means_of(*j)[n] + std * deviation(s, *j));
+                            value + correction + sign * reach >= scale.value(mode.threshold)
                         })
                     };
                     fails(1.0) && !fails(-1.0)

@@ -17,6 +17,7 @@ use crate::results::summary::{
 use crate::statistics::design::InputModel;
 use crate::statistics::reliability::{LifeCounts, OutputDistribution, predict_distributions};
 use crate::statistics::sensitivity::{Sampled, Sensitivity, sensitivities};
+use crate::statistics::surrogate::ResponseScale;
 use common::scene::{LimitState, Scene};
 use std::collections::BTreeMap;
 
@@ -151,6 +152,7 @@ fn surrogate_row((limit, surrogate): (&LimitState, &Surrogate)) -> SurrogateRow 
         share_of_stated_error: surrogate.share_of_stated,
         noise_share: Some(surrogate.noise_share),
         outlier: surrogate.outlier(),
+        logarithms: surrogate.scale == ResponseScale::Logarithms,
     }
 }
 
@@ -159,9 +161,11 @@ fn surrogate_row((limit, surrogate): (&LimitState, &Surrogate)) -> SurrogateRow 
 fn output_distributions(scene: &Scene, learned: &CampaignResult) -> Vec<Vec<OutputDistribution>> {
     let of_output = |output: usize| {
         let mode = scene.limit_states.iter().position(|limit| limit.output == output).unwrap_or(0);
-        let mut model = learned.assessment.surrogates[mode].model.clone();
-        model.set_values(learned.observations.design_of(mode).values(output).as_ref());
-        predict_distributions(&model, learned.classified.unconditional())
+        let surrogate = &learned.assessment.surrogates[mode];
+        let values = learned.observations.design_of(mode).values(output);
+        let (mut model, scale) = (surrogate.model.clone(), surrogate.scale_of(&values));
+        model.set_values(scale.learned_values(&values).as_ref());
+        predict_distributions(&model, scale, learned.classified.unconditional())
     };
     (0..scene.outputs.len()).map(of_output).collect()
 }

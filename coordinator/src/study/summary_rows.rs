@@ -8,8 +8,8 @@
 //! # Source
 //! Hasofer, Lind (1974), Exact and invariant second-moment code format, Journal of the Engineering Mechanics Division 100(1).
 
+use super::mode_results::ModeResults;
 use super::plan::ResponseLayout;
-use super::surrogates::ModeResults;
 use super::{CampaignResult, Surrogate};
 use crate::results::summary::{SobolError, SobolRow};
 use crate::results::summary_rows::{CoordinateRow, FailurePointRow, PredictionRow};
@@ -50,7 +50,9 @@ pub(super) fn predictions(scene: &Scene, learned: &CampaignResult) -> Vec<Predic
         let observations = learned.observations.design_of(s);
         let points = observations.points();
         let results = ModeResults::new(&observations, &points, &mode);
-        let learned_values = results.learned().0.as_ref();
+        let scale = surrogate.scale_of(&results.values);
+        let learned = results.in_scale(scale);
+        let learned_values = learned.as_ref().unwrap_or(&results).learned().0.as_ref();
         let left_out = surrogate.model.left_out(learned_values, n);
         let factor = surrogate.inflation().sqrt();
         PredictionRow {
@@ -58,8 +60,11 @@ pub(super) fn predictions(scene: &Scene, learned: &CampaignResult) -> Vec<Predic
             cycles,
             unit: unit.suffix().to_owned(),
             simulated: results.values.col(n).iter().map(|value| shown(*value)).collect(),
-            predicted: left_out.iter().map(|one| shown(one.mean)).collect(),
-            std: left_out.iter().map(|one| unit.to_file(factor * one.std)).collect(),
+            predicted: left_out.iter().map(|one| shown(scale.value(one.mean))).collect(),
+            std: left_out
+                .iter()
+                .map(|one| unit.to_file(factor * one.std * scale.slope(scale.value(one.mean))))
+                .collect(),
             q2: surrogate.model.leave_one_out(learned_values)[n].q2,
         }
     };
@@ -84,18 +89,20 @@ fn sobol_of(scene: &Scene, campaign: &CampaignResult, s: usize) -> Vec<SobolRow>
     let (cycles, population) = (scene.life.checkpoints(), campaign.classified.unconditional());
     let grid = &campaign.assessment.grid;
     let (Some(&first), Some(&last)) = (grid.first(), grid.last()) else { return Vec::new() };
+    let observations = campaign.observations.design_of(s);
+    let (points, values) = (observations.points(), observations.values(limit.output));
+    let surrogate = &campaign.assessment.surrogates[s];
+    let (mut model, scale) = (surrogate.model.clone(), surrogate.scale_of(&values));
+    let values = scale.learned_values(&values);
+    model.set_values(values.as_ref());
     let indices_by = |model: &Kriging, samples: usize| {
         let dual = model.dual();
         let predict = |points: MatRef<'_, f64>| {
             let all = model.predict_means(points, &dual, first..last + 1);
-            Mat::from_fn(grid.len(), points.ncols(), |o, j| all[(grid[o] - first, j)])
+            Mat::from_fn(grid.len(), points.ncols(), |o, j| scale.value(all[(grid[o] - first, j)]))
         };
         sobol_indices(population, samples, grid.len(), &predict)
     };
-    let observations = campaign.observations.design_of(s);
-    let (points, values) = (observations.points(), observations.values(limit.output));
-    let mut model = campaign.assessment.surrogates[s].model.clone();
-    model.set_values(values.as_ref());
     let indices = indices_by(&model, SAMPLES);
     let without = |group: usize| {
         let kept: Vec<usize> = (0..points.ncols()).filter(|i| i % GROUPS != group).collect();

@@ -1,79 +1,28 @@
 //! The surrogate of one limit state: fitted anew, or extended by the latest results; and the surrogates of a campaign between
 //! two rounds, with their cached predictions.
 
-use super::observations::{Observations, Sides};
+use super::mode_results::ModeResults;
+use super::observations::Observations;
 use super::outliers::outliers;
-use super::{CampaignError, Plan, Settings};
-use crate::statistics::learning::{
-    LearnedThreshold, Mode, checkpoints_that_matter, is_on_grid, learned_threshold,
-};
+use super::{CampaignError, Plan};
+use crate::statistics::learning::{LearnedThreshold, Mode, checkpoints_that_matter};
 use crate::statistics::surrogate::{
-    CrossValidation, Effort, Kriging, LeaveOneOut, NoiseShape, PredictionCache, SurrogateError, TrainingSet,
-    compare_sharing, fit_surrogate,
+    Chosen, CrossValidation, Effort, Kriging, LeaveOneOut, NoiseShape, PredictionCache, ResponseScale,
+    SurrogateError, compare_sharing,
 };
 use faer::{Mat, MatRef};
 use rayon::prelude::*;
 
 /// Most checkpoints used for one mode, and for all modes together.
 pub(super) const GRID: usize = 24;
-/// Results of the response of one limit state.
-pub(super) struct ModeResults<'a> {
-    /// Standardised points `(d, n)` [1].
-    pub points: &'a Mat<f64>,
-    /// Running maxima `(n, m)` [unit of the output].
-    pub values: Mat<f64>,
-    /// Stated errors of the running maxima `(n, m)` [unit of the output].
-    errors: Mat<f64>,
-    /// The two sides of the response, which are learned instead if it is a distance from a middle.
-    sides: Option<Sides>,
-    /// Threshold of the limit state [unit of the output].
-    threshold: f64,
-}
-
-impl<'a> ModeResults<'a> {
-    /// The results of `mode` among the observations, whose points are `points` `(d, n)`.
-    pub fn new(observations: &Observations, points: &'a Mat<f64>, mode: &Mode) -> Self {
-        Self {
-            points,
-            values: observations.running_maxima(mode.output),
-            errors: observations.errors_of_running_maxima(mode.output),
-            sides: observations.sides(mode.output),
-            threshold: mode.threshold,
-        }
-    }
-
-    /// Values and errors that are learned `(n, m)`, or `(n, 2 m)` of two sides [unit of the output].
-    pub fn learned(&self) -> (&Mat<f64>, &Mat<f64>) {
-        let both = self.sides.as_ref().map(|sides| (&sides.values, &sides.errors));
-        both.unwrap_or((&self.values, &self.errors))
-    }
-
-    /// Threshold that a surrogate of these results uses, by those with a value of their own of some variable.
-    fn learned_threshold(&self) -> LearnedThreshold {
-        // On a grid of the variables the response has steps of the design.
-        let is_shared = |k: usize, i: usize| {
-            (0..self.points.ncols()).any(|j| j != i && self.points[(k, j)] == self.points[(k, i)])
-        };
-        let is_free = |i: &usize| (0..self.points.nrows()).any(|k| !is_shared(k, *i));
-        let free = (0..self.values.nrows()).filter(is_free);
-        let values = |k: usize| self.points.row(k).iter().copied().collect();
-        let on_grid = (0..self.points.nrows()).all(|k| is_on_grid(values(k)));
-        learned_threshold(free.map(|i| self.values.row(i).iter().copied()), self.threshold, on_grid)
-    }
-
-    /// The columns of these of some checkpoints.
-    fn columns_of(&self, checkpoints: &[usize]) -> Vec<usize> {
-        let m = self.values.ncols();
-        let sides = if self.sides.is_some() { 2 } else { 1 };
-        (0..sides).flat_map(|side| checkpoints.iter().map(move |n| side * m + n)).collect()
-    }
-}
 
 /// The surrogate of one mode.
 #[derive(Debug, Clone)]
 pub struct Surrogate {
     /// Conditioned on the running maximum at all m checkpoints.
     pub model: Kriging,
+    /// Scale in which the response is learned.
+    pub scale: ResponseScale,
     /// Indices of the checkpoints whose likelihood determines the lengths.
     pub fitted_on: Vec<usize>,
     /// Leave-one-out figures at these checkpoints.
@@ -95,8 +44,10 @@ pub struct Surrogate {
     pub(super) outliers: Vec<(usize, usize, f64)>,
     /// Number of repairs: starts of the likelihood that failed, and nuggets raised.
     pub repairs: usize,
-    /// Threshold that the surrogate uses, and the jump of the response there.
+    /// Threshold that the surrogate uses, in its scale, and the jump of the response there.
     pub threshold: LearnedThreshold,
+    /// Change of the values over that of what is learned, at the middle of the results `(m,)` [unit of the output, or 1 of values].
+    slopes: Vec<f64>,
     /// Noise of the points in proportion to the stated errors.
     noise: Option<NoiseShape>,
     /// Number of results of the initial design.
@@ -104,9 +55,9 @@ pub struct Surrogate {
 }
 
 impl Surrogate {
-    /// Fits and conditions a surrogate. With [`Effort::Keep`] the surrogate of the round before is extended
-    /// by the new results at its lengths; if its factor cannot be extended, it is fitted with
-    /// [`Effort::Warm`].
+    /// Fits and conditions a surrogate of these results, which are values. With [`Effort::Keep`] the surrogate of the round before is
+    /// extended by the new results at its lengths; if its factor cannot be extended, it is fitted with [`Effort::Warm`]. With
+    /// [`Effort::MultiStart`] values and logarithms are compared.
     ///
     /// # Errors
     /// Those of [`fit_surrogate`] and [`compare_sharing`].
@@ -116,36 +67,55 @@ impl Surrogate {
         before: Option<&Self>,
         (plan, effort): (&Plan, Effort),
     ) -> Result<Self, SurrogateError> {
-        let (Settings { forms, stated_errors, .. }, as_published) = (&plan.settings, plan.is_as_published());
+        let as_before = before.and_then(|before| results.in_scale(before.scale));
+        let before = before.filter(|_| as_before.is_some());
+        let standing = as_before.as_ref().unwrap_or(results);
         if effort == Effort::Keep
-            && let Some(extended) = before.and_then(|before| before.extended(results))
+            && let Some(extended) = before.and_then(|before| before.extended(standing))
         {
             return Ok(extended);
         }
         let effort = if effort == Effort::Keep { Effort::Warm } else { effort };
-        let ((values, errors), places) = (results.learned(), results.columns_of(&fitted_on));
-        let (chosen, errors) = (columns(values, &places), columns(errors, &places));
-        let noise = NoiseShape::new(chosen.as_ref(), errors.as_ref(), *stated_errors);
-        let training = TrainingSet {
-            points: results.points.as_ref(),
-            values: chosen.as_ref(),
-            noise: noise.as_ref(),
-            is_exact: as_published,
+        let found = standing.fitted(&fitted_on, before, (plan, effort))?;
+        let values = columns(&results.values, &fitted_on);
+        let is_compared = effort == Effort::MultiStart && !plan.is_as_published();
+        let other = results.in_scale(standing.scale.other()).filter(|other| {
+            is_compared && (other.scale == ResponseScale::Values || ResponseScale::is_wide(values.as_ref()))
+        });
+        let Some(other) = other else {
+            return Self::conditioned(standing, found, fitted_on, before, (plan, effort));
         };
-        let found = fit_surrogate(training, *forms, before.map(|before| &before.model), effort)?;
+        match other.fitted(&fitted_on, None, (plan, effort)) {
+            Ok(better) if standing.scale.is_surpassed(values.as_ref(), &found, &better) => {
+                Self::conditioned(&other, better, fitted_on, None, (plan, effort))
+            }
+            _ => Self::conditioned(standing, found, fitted_on, before, (plan, effort)),
+        }
+    }
+
+    /// The surrogate of all checkpoints by the form and lengths `found` for these results.
+    fn conditioned(
+        results: &ModeResults<'_>,
+        found: Chosen,
+        fitted_on: Vec<usize>,
+        before: Option<&Self>,
+        (plan, effort): (&Plan, Effort),
+    ) -> Result<Self, SurrogateError> {
+        let (chosen, noise) = results.chosen(&fitted_on, plan);
         let mut model = found.model;
         let mut cross_validation = found.cross_validation;
         let threshold = results.learned_threshold();
         let near = |crossed: &CrossValidation| crossed.variance_ratio_near(threshold.value, chosen.as_ref());
         let (mut separate_would_gain, mut variance_ratio) = (None, cross_validation.as_ref().map(near));
         if effort == Effort::MultiStart {
+            let training = results.training(&chosen, noise.as_ref(), plan);
             separate_would_gain = compare_sharing(training, model.form(), &model.correlation)?;
         } else if let Some(before) = before {
             separate_would_gain = before.separate_would_gain;
             cross_validation = before.cross_validation.clone();
             variance_ratio = before.variance_ratio;
         }
-        if as_published {
+        if plan.is_as_published() {
             variance_ratio = Some(1.0);
         }
         match &results.sides {
@@ -154,6 +124,7 @@ impl Surrogate {
         }
         let mut surrogate = Self {
             model,
+            scale: results.scale,
             fitted_on,
             leave_one_out: vec![],
             cross_validation,
@@ -164,6 +135,7 @@ impl Surrogate {
             outliers: vec![],
             repairs: found.repairs,
             threshold,
+            slopes: vec![],
             noise,
             initial: plan.settings.initial,
         };
@@ -209,6 +181,9 @@ impl Surrogate {
             if variance > 0.0 { noise * self.model.sigma2[*n] / variance } else { 0.0 }
         };
         self.noise_share = self.fitted_on.iter().map(share).fold(0.0, f64::max);
+        let middle = |column: faer::ColRef<'_, f64>| column.iter().sum::<f64>() / column.nrows() as f64;
+        let slope = |column| self.scale.slope(self.scale.value(middle(column)));
+        self.slopes = results.values.col_iter().map(slope).collect();
         let initial = self.initial;
         let of_checkpoint = |n: &usize| {
             let values: Vec<f64> = results.values.col(*n).iter().copied().collect();
@@ -229,10 +204,16 @@ impl Surrogate {
         let Some(rough) = rough else { return 0.0 };
         let sigma2 = &self.model.sigma2;
         let share = |n: &usize| {
-            let rough = rough[n % rough.len()];
+            let rough = rough[n % rough.len()] / self.slopes[n % self.slopes.len()];
             if sigma2[*n] > 0.0 { rough * rough / sigma2[*n] } else { 0.0 }
         };
         self.fitted_on.iter().map(share).sum::<f64>() / self.fitted_on.len() as f64
+    }
+
+    /// Scale in which these values `(n, m)` of an output are predicted with the lengths of this surrogate: its own, as far as they allow it.
+    pub(super) fn scale_of(&self, values: &Mat<f64>) -> ResponseScale {
+        let has_others = values.col_iter().any(|column| column.iter().any(|y| *y <= 0.0));
+        if has_others { ResponseScale::Values } else { self.scale }
     }
 
     /// Factor on the predicted variances [1], at least 1: the mean of squared errors over predicted variances
@@ -267,7 +248,7 @@ pub(super) fn fit_surrogates(
 }
 
 /// The chosen columns of a matrix `(n, m)`.
-fn columns(of: &Mat<f64>, chosen: &[usize]) -> Mat<f64> {
+pub(super) fn columns(of: &Mat<f64>, chosen: &[usize]) -> Mat<f64> {
     let of: MatRef<'_, f64> = of.as_ref();
     Mat::from_fn(of.nrows(), chosen.len(), |i, o| of[(i, chosen[o])])
 }

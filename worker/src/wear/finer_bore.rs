@@ -7,12 +7,12 @@
 //! of the block after it, which is of second order in the length of the blocks where the first is of first order. With
 //! its depths h_f [m], the estimate at life n is
 //!
-//! e(n) = 2 max over the blocks that end in [n/4, n] of |max h - max h_f|
+//! e(n) = 2 max over the blocks that end by n of |max h - max h_f|
 //!
 //! At a checkpoint within a block it is no less than twice the difference there.
 //!
-//! An early difference heals as a scar widens its own arc, and the two may cross, so that neither the last nor the
-//! largest difference would do. Sums of the local errors of sub-steps and blocks would not do either: most of them heal
+//! The two may cross, so that the last difference would not do; with the differences since n/4 alone, nine of ten depths of a four-bar
+//! were within the stated error late in life. Sums of the local errors of sub-steps and blocks would not do either: most of them heal
 //! too, and were they added up, they would state ten and more times the true error. A bore with fewer control points
 //! would cost less, but its difference depends on how its points happen to lie to the arc.
 //!
@@ -28,8 +28,6 @@ use super::{StepTolerance, WearLaw, WearStep, WearStepStats, WornAmounts};
 /// Error over the largest difference [1]: 2 where it halves with the spacing, as at the edge of a scar, 4/3 where the
 /// profile is smooth.
 const SAFETY: f64 = 2.0;
-/// Share of the life behind over which differences count [1].
-const RECENT: f64 = 0.75;
 /// Tolerance of the copy's wear steps over that of the bore, and its lower bound [1]: at 0.01 they err by 0.1 %
 /// (`the_local_law_takes_tight_tolerances_and_keeps_them`), far less than the spacing of the control points.
 const TIGHTER: f64 = 0.5;
@@ -44,16 +42,14 @@ pub struct FinerBore<L> {
     depth: Vec<f64>,
     /// Cycles from there to the end of that block.
     behind: f64,
-    /// Life at the end of that block [cycles].
-    life: f64,
     /// Wear of the joint there.
     worn: WornAmounts,
     /// True if the wear steps to the middle of that block failed.
     failed: bool,
     /// Wear of the half blocks over which wear steps failed.
     missed: WornAmounts,
-    /// Life [cycle] and difference of the two at the end of each block.
-    differences: Vec<(f64, WornAmounts)>,
+    /// Largest difference of the two at the ends of the blocks so far.
+    largest: WornAmounts,
     /// Marks within the block behind, and those of the next one, counted from its start [cycle].
     marks: Vec<f64>,
     pub(crate) next_marks: Vec<f64>,
@@ -77,11 +73,10 @@ impl<L: WearLaw> FinerBore<L> {
             step: WearStep::new(depths, tolerance),
             depth: vec![0.0; depths],
             behind: 0.0,
-            life: 0.0,
             worn: WornAmounts::default(),
             failed: false,
             missed: WornAmounts::default(),
-            differences: Vec::new(),
+            largest: WornAmounts::default(),
             marks: Vec::new(),
             next_marks: Vec::new(),
             next_marked: Vec::new(),
@@ -133,9 +128,8 @@ impl<L: WearLaw> FinerBore<L> {
         self.passed.append(&mut copies);
         self.within =
             self.marked.iter().zip(&self.passed).map(|(worn, copy)| difference(worn, copy)).collect();
-        self.differences.push((self.life, difference(&worn, &end)));
+        self.largest = self.largest.with(&difference(&worn, &end), f64::max);
         (self.marks, self.passed, self.marked) = (next_marks, early, std::mem::take(&mut self.next_marked));
-        self.life += cycles;
         self.behind = half;
         self.worn = worn;
     }
@@ -154,10 +148,7 @@ impl<L: WearLaw> FinerBore<L> {
 
     /// Estimated error of the wear of the joint where it was compared last.
     pub(crate) fn errors(&self) -> WornAmounts {
-        let now = self.differences.last().map_or(0.0, |(life, _)| *life);
-        let recent = self.differences.iter().filter(|(life, _)| *life >= (1.0 - RECENT) * now);
-        let largest = recent.fold(WornAmounts::default(), |a, (_, difference)| a.with(difference, f64::max));
-        largest.with(&self.missed, |difference, missed| SAFETY * difference + missed)
+        self.largest.with(&self.missed, |difference, missed| SAFETY * difference + missed)
     }
 
     /// Estimated errors at the marks within the block whose end was compared last: that at the end, or what the two differ by there if that is more.

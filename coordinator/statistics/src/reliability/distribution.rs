@@ -9,7 +9,7 @@
 //! type 7.
 
 use crate::design::Population;
-use crate::surrogate::Kriging;
+use crate::surrogate::{Kriging, ResponseScale};
 use rayon::prelude::*;
 
 /// Probabilities of the reported quantiles.
@@ -49,8 +49,12 @@ pub struct Histogram {
     pub counts: Vec<u64>,
 }
 
-/// Distributions `(m,)` of the predicted means of a model's m outputs over the population.
-pub fn predict_distributions(model: &Kriging, population: &Population) -> Vec<OutputDistribution> {
+/// Distributions `(m,)` of the predicted values of a model's m outputs, `learned` in this scale, over the population.
+pub fn predict_distributions(
+    model: &Kriging,
+    learned: ResponseScale,
+    population: &Population,
+) -> Vec<OutputDistribution> {
     let m = model.sigma2.len();
     let dual = model.dual();
     // Mean variance factor over a fixed part of the population: it enters the spread only.
@@ -67,11 +71,17 @@ pub fn predict_distributions(model: &Kriging, population: &Population) -> Vec<Ou
             let points = population.columns(start..start + values.len() / count);
             let means = model.predict_means(points, &dual, first..first + count);
             for (j, values) in values.chunks_exact_mut(count).enumerate() {
-                values.copy_from_slice(means.col_as_slice(j));
+                let predicted = means.col_as_slice(j).iter().map(|mean| learned.value(*mean));
+                values.iter_mut().zip(predicted).for_each(|(value, predicted)| *value = predicted);
             }
         });
         let column = |o: usize| values.iter().skip(o).step_by(count).copied().collect::<Vec<f64>>();
-        let by_checkpoint = |o: usize| distribution(column(o), model.sigma2[first + o] * factor);
+        let by_checkpoint = |o: usize| {
+            let values = column(o);
+            let squares = values.iter().map(|y| learned.slope(*y).powi(2)).sum::<f64>();
+            let slope = squares / values.len() as f64;
+            distribution(values, slope * model.sigma2[first + o] * factor)
+        };
         distributions.extend((0..count).into_par_iter().map(by_checkpoint).collect::<Vec<_>>());
     }
     distributions
@@ -163,7 +173,7 @@ mod tests {
         let correlation =
             Correlation { kernel: Kernel::Gaussian, theta: vec![1e-3, 1e-3], nugget: 1e-10, stated: 0.0 };
         let model = Kriging::condition(x.as_ref(), y.as_ref(), &correlation).unwrap();
-        let distributions = predict_distributions(&model, &population);
+        let distributions = predict_distributions(&model, ResponseScale::Values, &population);
         let std = 5.0_f64.sqrt() * variables[0].std() / 0.5;
         for (o, d) in distributions.iter().enumerate() {
             let expected = (1.0 + o as f64) * std;

@@ -9,7 +9,7 @@
 use super::crossing::Track;
 use super::life_counts::{ErrorLine, LifeCounts, ModeLives, mode_lives};
 use crate::design::{Population, deviation};
-use crate::surrogate::Kriging;
+use crate::surrogate::{Kriging, ResponseScale};
 use faer::Mat;
 use rayon::prelude::*;
 
@@ -23,22 +23,34 @@ pub struct PredictedHistory {
     pub model: Kriging,
     /// Its dual weights, see [`Kriging::dual`].
     pub dual: Mat<f64>,
-    /// Predicted standard deviations where the variance factor is 1 [unit of the output].
+    /// Predicted standard deviations of what is learned where the variance factor is 1 [unit of the output, or 1 of logarithms].
     pub scale: Vec<f64>,
     /// True if the first output of the model is the start of life.
     pub has_start: bool,
+    /// Scale in which the model has learned the values.
+    pub learned: ResponseScale,
+    /// Value at the start of life of all points, which the model does not contain [unit of the output].
+    pub start: Option<f64>,
 }
 
 impl PredictedHistory {
     /// The history of a model whose predicted variances are enlarged by `inflation` [1].
     pub fn new(model: Kriging, has_start: bool, inflation: f64) -> Self {
         let scale = model.sigma2.iter().map(|s| (s * inflation).sqrt()).collect();
-        Self { dual: model.dual(), scale, has_start, model }
+        let learned = ResponseScale::Values;
+        Self { dual: model.dual(), scale, has_start, model, learned, start: None }
     }
 
-    /// The history with these values at the start, if it is known, and at the checkpoints.
+    /// Values at the start, if the model has it, and at the checkpoints [unit of the output] from their predicted `means`, `deviation`
+    /// standard deviations away where the variance factor is 1.
+    pub fn values<'a>(&'a self, means: &'a [f64], deviation: f64) -> impl Iterator<Item = f64> + 'a {
+        means.iter().zip(&self.scale).map(move |(mean, scale)| self.learned.value(mean + scale * deviation))
+    }
+
+    /// The history with these values at the start, if the model has it, and at the checkpoints.
     pub fn track<'a>(&self, times: &'a [f64], values: &'a [f64]) -> Track<'a> {
-        let (start, values) = if self.has_start { (Some(values[0]), &values[1..]) } else { (None, values) };
+        let (start, values) =
+            if self.has_start { (Some(values[0]), &values[1..]) } else { (self.start, values) };
         Track { times, values, start }
     }
 }
@@ -64,17 +76,18 @@ impl PredictedMode<'_> {
     /// Lives of point `j`, whose predicted means are `means`: at the start, if it is known, and at the checkpoints. `room` is
     /// memory for its values, their errors and its shifted values.
     fn lives(&self, j: usize, means: &[f64], times: &[f64], room: &mut [Vec<f64>; 4]) -> ModeLives {
-        let PredictedHistory { scale, has_start, .. } = &self.history;
+        let PredictedHistory { scale, has_start, learned, .. } = &self.history;
         let [values, numerical, predicted, shifted] = room;
         let std = self.variance_factor.get(j).map_or(0.0, |factor| factor.max(0.0).sqrt());
         let in_sigma = std * deviation(self.index, j);
         values.clear();
-        values.extend(means.iter().zip(scale).map(|(mean, scale)| mean + scale * in_sigma));
+        values.extend(self.history.values(means, in_sigma));
         let track = self.history.track(times, values);
         numerical.clear();
         numerical.extend(self.lines.iter().zip(track.values).map(|(line, y)| line.evaluate(*y)));
         predicted.clear();
-        predicted.extend(scale[usize::from(*has_start)..].iter().map(|scale| scale * std));
+        let of_checkpoints = track.values.iter().zip(&scale[usize::from(*has_start)..]);
+        predicted.extend(of_checkpoints.map(|(y, scale)| learned.slope(*y) * scale * std));
         let first = self.first_failure[j] as usize;
         mode_lives(&track, (numerical, predicted), self.threshold, first, shifted)
     }

@@ -131,13 +131,19 @@ impl Chosen {
 
 /// Index of the form that replaces the first, if any does.
 fn challenger(compared: &[Chosen]) -> Option<usize> {
-    let standing = &compared[0];
-    let clearly = |i: &usize| {
-        let (mean, standard_error) = gain(standing.densities(), compared[*i].densities());
-        mean > LEAST_GAIN.max(standard_error)
-    };
+    let none = vec![0.0; compared[0].left_out.len()];
+    let clearly = |i: &usize| clearly_denser(&compared[0], &compared[*i], &none);
     let denser = |a: &usize, b: &usize| compared[*a].log_density().total_cmp(&compared[*b].log_density());
     (1..compared.len()).filter(clearly).max_by(denser)
+}
+
+/// True if `other`, whose log densities are comparable after these `shifts` `(n,)` [1], is better than `standing` by more than one standard
+/// error and [`LEAST_GAIN`]; only with a cross-validation of both or of neither.
+pub(super) fn clearly_denser(standing: &Chosen, other: &Chosen, shifts: &[f64]) -> bool {
+    let shifted: Vec<f64> = other.densities().iter().zip(shifts).map(|(d, shift)| d + shift).collect();
+    let (mean, standard_error) = gain(standing.densities(), &shifted);
+    standing.cross_validation.is_some() == other.cross_validation.is_some()
+        && mean > LEAST_GAIN.max(standard_error)
 }
 
 /// Mean gain of `other` over `standing`, log densities of the same points `(n,)`, and its standard error [1].

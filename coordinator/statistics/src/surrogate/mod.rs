@@ -14,6 +14,7 @@
 //! | `kriging`, `extended` | conditioning, prediction, also of a response that is the larger of two; further points at the same lengths |
 //! | `likelihood`, `bounds`, `fit` | maximum likelihood of the lengths |
 //! | `noise` | noise in proportion to stated errors |
+//! | `response_scale` | values or their logarithms as what is learned |
 //! | `leave_one_out`, `cross_validation`, `choice` | quality and choice of the form |
 //! | `explicit` | the mean as plain numbers |
 //! | `posterior`, `cache` | joint posterior of a pool, cached predictions of a population |
@@ -60,6 +61,7 @@ mod leave_one_out;
 mod likelihood;
 mod noise;
 mod posterior;
+mod response_scale;
 mod trend;
 
 pub use cache::PredictionCache;
@@ -75,6 +77,7 @@ pub use leave_one_out::{LeaveOneOut, LeftOut};
 pub use likelihood::Likelihood;
 pub use noise::{NoiseShape, StatedErrors};
 pub use posterior::Posterior;
+pub use response_scale::ResponseScale;
 pub use trend::Trend;
 
 use thiserror::Error;

@@ -77,7 +77,7 @@
 
   // Life of every point by one limit state.
   const lives = ({ surrogate, thresholds, sign, reach }, moved, z) => {
-    const { times, mean: { factors, kernel, trend }, std, variance, deviations, points, weights } = surrogate;
+    const { times, mean: { factors, kernel, trend }, std, variance, deviations, points, weights, logarithms, start } = surrogate;
     const d = factors.length, n = points.length / d, m = times.length, correlate = correlations[kernel];
     // Threshold of each side: the distance of a threshold from where it was moves it.
     const step = thresholdKeys({ thresholds }).map((key) => (moved[key] ?? 0) / STEPS * reach);
@@ -89,7 +89,7 @@
       let sum = slopes[0] + std[o] * deviation;
       for (let k = 1; k < slopes.length; k += 1) sum += slopes[k] * z[k - 1][j];
       for (let i = 0; i < n; i += 1) sum += own[i] * r[i];
-      return sum;
+      return logarithms ? Math.exp(sum) : sum;
     };
     for (let j = 0; j < count; j += 1) {
       let norm = 0, life = Infinity;
@@ -110,7 +110,8 @@
           const o = (low + high) >> 1, y = value(o, side, j, deviation);
           if (y >= limit) { high = o; above = y; } else { low = o; below = y; }
         }
-        const crossed = low < 0 ? times[0] : times[low] + (limit - below) / (above - below) * (times[high] - times[low]);
+        const first = start === null || times[0] === 0 ? times[0] : Math.max(0, (limit - start) / (above - start)) * times[0];
+        const crossed = low < 0 ? first : times[low] + (limit - below) / (above - below) * (times[high] - times[low]);
         life = Math.min(life, crossed);
       }
       found[j] = life;
