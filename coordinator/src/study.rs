@@ -67,6 +67,8 @@ mod life_tests;
 #[cfg(test)]
 mod lives_tests;
 #[cfg(test)]
+mod logarithm_tests;
+#[cfg(test)]
 mod pairs_tests;
 #[cfg(test)]
 mod two_sided_tests;

@@ -89,16 +89,17 @@ pub fn learn(
         is_exact: true,
         settings,
     };
+    let mode = |(output, unit): (usize, &f64)| Mode { output, threshold: unit * truth.limit };
     let statistics = Problem {
         inputs: InputModel::from(&problem.variables),
         outputs: modes,
-        modes: (0..modes).map(|output| Mode { output, threshold: 0.0 }).collect(),
+        modes: problem.units.iter().enumerate().map(mode).collect(),
         checkpoints: (1..=m as u32).collect(),
     };
     let mut calls = 0;
     let simulate = |sample: &[f64]| {
         calls += 1;
-        let outcome = problem.simulate(sample, truth.limit, truth.spread);
+        let outcome = problem.simulate(sample, truth.spread);
         if trace {
             let last = |history: &Vec<f64>| history.last().copied();
             let values: Result<Vec<_>, _> =

@@ -180,9 +180,9 @@ impl RandomProblem {
         self.course.history(mode.value(z), z, history);
     }
 
-    /// What a simulation at x `(d,)` returns: each limit state's output, which fails at zero. `limit` and `spread` are
-    /// limit and standard deviation of the response [1].
-    pub fn simulate(&self, x: &[f64], limit: f64, spread: f64) -> ObservedOutcome {
+    /// What a simulation at x `(d,)` returns: each limit state's output, which fails at the limit. `spread` is the
+    /// standard deviation of the response [1].
+    pub fn simulate(&self, x: &[f64], spread: f64) -> ObservedOutcome {
         let z = self.in_standard_deviations(x);
         let fails = match &self.failing {
             Failing::Never => false,
@@ -200,7 +200,7 @@ impl RandomProblem {
                 0.0 => 0.0,
                 share => share * spread * hash_to_normal(x, (k * m + n) as u64),
             };
-            history.iter().enumerate().map(|(n, y)| unit * (y - limit + noise(n))).collect::<Vec<f64>>()
+            history.iter().enumerate().map(|(n, y)| unit * (y + noise(n))).collect::<Vec<f64>>()
         };
         let histories: Vec<Vec<f64>> = self.modes.iter().zip(&self.units).enumerate().map(output).collect();
         let mut observed = Observed::exact(histories);
@@ -209,7 +209,7 @@ impl RandomProblem {
                 self.units.iter().map(|unit| vec![unit * self.noise.share * spread; m]).collect();
         }
         if matches!(self.course, Course::Wear { .. }) {
-            observed.start = self.units.iter().map(|unit| Some(-unit * limit)).collect();
+            observed.start = vec![Some(0.0); self.modes.len()];
         }
         Ok(observed)
     }

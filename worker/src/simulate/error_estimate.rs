@@ -56,35 +56,24 @@ pub struct ErrorEstimate {
     lives: Vec<u32>,
     /// Wear at these lives of every joint of the scene, zero for joints that do not wear `(lives, joints)`.
     worn: Vec<Vec<WornJoint>>,
-    /// Errors at the checkpoints within the blocks, whose lives ascend [cycles] `(joints,)` each.
-    within: Vec<(u32, Vec<WornAmounts>)>,
 }
 
 impl ErrorEstimate {
     /// An estimate for a life under this number of `conditions` whose first checkpoint is at `first_checkpoint` [cycles].
     pub(crate) fn new(first_checkpoint: u32, conditions: usize) -> Self {
         let conditions = (0..conditions).map(|_| MotionEstimate::new(first_checkpoint)).collect();
-        ErrorEstimate { conditions, lives: vec![], worn: vec![], within: vec![] }
+        ErrorEstimate { conditions, lives: vec![], worn: vec![] }
     }
 
     /// Adds the wear at `life` [cycles], the end of a block, where the joints of `run` have been compared with their copies and were
     /// worn by `amounts` `(joints,)`.
     pub(crate) fn add_wear(&mut self, run: &Run, life: u32, amounts: &[WornAmounts]) {
         let mut worn: Vec<WornJoint> = amounts.iter().map(|&worn| [worn, WornAmounts::default()]).collect();
-        let every = run.scene.life.checkpoint_every;
-        let start = self.lives.last().copied().unwrap_or(0);
-        let within = (start / every + 1..life.div_ceil(every)).map(|k| k * every);
-        let mut within: Vec<(u32, Vec<WornAmounts>)> =
-            within.map(|life| (life, vec![WornAmounts::default(); amounts.len()])).collect();
         for state in &run.islands {
             for (pair, finer) in state.island.pairs().zip(&state.finer) {
                 worn[pair.scene_joint()][1] = finer.errors();
-                for ((_, joints), error) in within.iter_mut().zip(finer.errors_within()) {
-                    joints[pair.scene_joint()] = error;
-                }
             }
         }
-        self.within.append(&mut within);
         self.lives.push(life);
         self.worn.push(worn);
     }
@@ -162,9 +151,7 @@ impl ErrorEstimate {
             wear_output(quantity, joints.iter().map(|&joint| amounts(joint)))
         };
         let now = value(&|j| worn[j][0]);
-        let within = self.within.binary_search_by_key(&life, |(life, _)| *life);
-        let error = |j: usize| within.map_or(worn[j][1], |k| self.within[k].1[j]);
-        let wear = value(&|j| worn[j][0].with(&error(j), |worn, error| worn + error)) - now;
+        let wear = value(&|j| worn[j][0].with(&worn[j][1], |worn, error| worn + error)) - now;
         let rates =
             value(&|j| worn[j][0].with(&self.relative_rate_errors(j, life), |worn, share| worn * share));
         (libm::hypot(wear, rates), now)
@@ -211,7 +198,7 @@ mod tests {
     fn estimate(conditions: Vec<MotionEstimate>) -> ErrorEstimate {
         let bore = |depth| WornAmounts { depths: [[depth, 0.0], [0.0; 2]], volume: 0.0 };
         let worn = [(10.0, 0.1), (9.0, 1.3)].map(|(depth, error)| [bore(depth), bore(error)]).to_vec();
-        ErrorEstimate { conditions, lives: vec![0, 100], worn: vec![vec![], worn], within: vec![] }
+        ErrorEstimate { conditions, lives: vec![0, 100], worn: vec![vec![], worn] }
     }
 
     #[test]

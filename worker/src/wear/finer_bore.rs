@@ -7,9 +7,7 @@
 //! of the block after it, which is of second order in the length of the blocks where the first is of first order. With
 //! its depths h_f [m], the estimate at life n is
 //!
-//! e(n) = 2 max over the blocks that end by n of |max h - max h_f|
-//!
-//! At a checkpoint within a block it is no less than twice the difference there.
+//! e(n) = 2 max over the ends of blocks and the checkpoints up to the end of the block of n of |max h - max h_f|
 //!
 //! The two may cross, so that the last difference would not do; with the differences since n/4 alone, nine of ten depths of a four-bar
 //! were within the stated error late in life. Sums of the local errors of sub-steps and blocks would not do either: most of them heal
@@ -48,7 +46,7 @@ pub struct FinerBore<L> {
     failed: bool,
     /// Wear of the half blocks over which wear steps failed.
     missed: WornAmounts,
-    /// Largest difference of the two at the ends of the blocks so far.
+    /// Largest difference of the two at the ends of the blocks and at the marks so far.
     largest: WornAmounts,
     /// Marks within the block behind, and those of the next one, counted from its start [cycle].
     marks: Vec<f64>,
@@ -60,8 +58,6 @@ pub struct FinerBore<L> {
     /// Wear of the joint at the marks within the block behind, and that of the copy at those it has passed.
     marked: Vec<WornAmounts>,
     passed: Vec<WornAmounts>,
-    /// Differences of the two at the marks within the block whose end was compared last.
-    within: Vec<WornAmounts>,
 }
 
 impl<L: WearLaw> FinerBore<L> {
@@ -83,7 +79,6 @@ impl<L: WearLaw> FinerBore<L> {
             due: None,
             marked: Vec::new(),
             passed: Vec::new(),
-            within: Vec::new(),
         }
     }
 
@@ -126,9 +121,10 @@ impl<L: WearLaw> FinerBore<L> {
         let early = copies.split_off(self.marks.len() - self.passed.len() + 1);
         let end = copies.pop().unwrap_or_default();
         self.passed.append(&mut copies);
-        self.within =
-            self.marked.iter().zip(&self.passed).map(|(worn, copy)| difference(worn, copy)).collect();
-        self.largest = self.largest.with(&difference(&worn, &end), f64::max);
+        let pairs = self.marked.iter().zip(&self.passed).chain([(&worn, &end)]);
+        for (worn, copy) in pairs {
+            self.largest = self.largest.with(&difference(worn, copy), f64::max);
+        }
         (self.marks, self.passed, self.marked) = (next_marks, early, std::mem::take(&mut self.next_marked));
         self.behind = half;
         self.worn = worn;
@@ -149,13 +145,5 @@ impl<L: WearLaw> FinerBore<L> {
     /// Estimated error of the wear of the joint where it was compared last.
     pub(crate) fn errors(&self) -> WornAmounts {
         self.largest.with(&self.missed, |difference, missed| SAFETY * difference + missed)
-    }
-
-    /// Estimated errors at the marks within the block whose end was compared last: that at the end, or what the two differ by there if that is more.
-    pub(crate) fn errors_within(&self) -> impl Iterator<Item = WornAmounts> {
-        let at_end = self.errors();
-        self.within.iter().map(move |difference| {
-            at_end.with(difference, |error, difference| error.max(SAFETY * difference))
-        })
     }
 }

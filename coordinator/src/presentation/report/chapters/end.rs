@@ -95,7 +95,7 @@ fn surrogates(input: &ReportInput) -> Markup {
                 "Leave-one-out cross-validation of the surrogates: "
                 @for (k, (surrogate, q2, factor)) in rows.iter().enumerate() {
                     @if k > 0 { "; " }
-                    (surrogate.limit_state) " Q" sup { "2" } " = " (format!("{q2:.4}"))
+                    (surrogate.limit_state) @if surrogate.logarithms { ", by its logarithm:" } " Q" sup { "2" } " = " (format!("{q2:.4}"))
                     " (" (surrogate.kernel) " kernel, " (surrogate.trend) " trend; predicted variances multiplied by "
                     (format!("{factor:.2}")) ")"
                 }
