@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::Duration;
-use zenoh::{Config, Session, Wait};
+use zenoh::Session;
 
 /// Top folder of the repository.
 pub fn root() -> PathBuf {
@@ -107,7 +107,7 @@ pub fn session(config: &Path, endpoint: &str) -> Session {
 /// # Errors
 /// That of Zenoh.
 pub fn try_session(config: &Path, endpoint: &str) -> zenoh::Result<Session> {
-    let mut settings = Config::from_file(config).expect("the configuration is valid");
+    let mut settings = sessions::configuration(Some(config)).expect("the configuration is valid");
     for (key, value) in [
         ("mode", "\"client\""),
         ("scouting/multicast/enabled", "false"),
@@ -117,7 +117,7 @@ pub fn try_session(config: &Path, endpoint: &str) -> zenoh::Result<Session> {
     ] {
         settings.insert_json5(key, value).expect("the key exists");
     }
-    zenoh::open(settings).wait()
+    sessions::open(settings)
 }
 
 /// The scene `four-bar` with a study of at most `evaluations` evaluations.

@@ -28,7 +28,7 @@ use std::sync::mpsc::channel;
 use std::sync::{Arc, Condvar, Mutex};
 use std::time::Duration;
 use worker::service::{self, Job, ServiceConfig, Simulator, WorkerHandle};
-use zenoh::{Config, Session, Wait};
+use zenoh::{Config, Session};
 
 /// Time limit of every wait; only a defect takes longer.
 pub const PATIENCE: Duration = Duration::from_secs(30);
@@ -217,7 +217,7 @@ pub fn foreign_session(key: &str, endpoint: &str) -> Session {
     ] {
         config.insert_json5(key, value).expect("a setting of Zenoh");
     }
-    zenoh::open(config).wait().expect("a session on the loopback")
+    sessions::open(config).expect("a session on the loopback")
 }
 
 /// Sets the interruption flag of a coordinator.

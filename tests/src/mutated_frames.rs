@@ -235,7 +235,7 @@ pub fn messages_of_a_worker(number: u64, settings: &Path, endpoint: &str) {
     }
     drop(declared);
     // Closing may block on a broken connection.
-    let closed = thread::spawn(move || session.close().wait());
+    let closed = thread::spawn(move || sessions::close(&session));
     let begun = Instant::now();
     while !closed.is_finished() && begun.elapsed() < Duration::from_secs(1) {
         thread::sleep(Duration::from_millis(5));

@@ -72,7 +72,7 @@ fn false_coordinator(claim: Option<Vec<u8>>, status: Option<Vec<u8>>) -> (Sessio
     ] {
         config.insert_json5(key, value).unwrap();
     }
-    let session = zenoh::open(config).wait().unwrap();
+    let session = sessions::open(config).unwrap();
     for (key, frame) in [(keys::CLAIM, claim), (keys::STATUS, status)] {
         let Some(frame) = frame else { continue };
         session

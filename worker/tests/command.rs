@@ -26,7 +26,7 @@ fn answering(frame: Vec<u8>) -> (Session, String) {
     ] {
         config.insert_json5(key, value).unwrap();
     }
-    let session = zenoh::open(config).wait().unwrap();
+    let session = sessions::open(config).unwrap();
     let endpoint = session.info().locators().wait()[0].to_string();
     session
         .declare_queryable(keys::CLAIM)

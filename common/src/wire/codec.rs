@@ -93,8 +93,50 @@ pub enum WireError {
     BadWorkerName,
 }
 
+/// A message or a part of one as bytes. Written out for each type beside its definition, by `encoded!`, so that its encoder and decoder are
+/// compiled once, here, and not in every crate that sends or receives it.
+pub trait Encoded: Sized {
+    /// Appends the encoded value; returns its size [bytes].
+    ///
+    /// # Errors
+    /// The error of the encoder.
+    fn append_to(&self, frame: &mut Vec<u8>) -> Result<usize, String>;
+
+    /// Encoded size [bytes].
+    ///
+    /// # Errors
+    /// The error of the encoder.
+    fn encoded_size(&self) -> Result<usize, String>;
+
+    /// Decodes a value; returns it with the number of bytes read.
+    ///
+    /// # Errors
+    /// The error of the decoder.
+    fn read(payload: &[u8]) -> Result<(Self, usize), String>;
+}
+
+/// Implements [`Encoded`] for these types.
+macro_rules! encoded {
+    ($($kind:ty),+) => {
+        $(impl $crate::wire::codec::Encoded for $kind {
+            fn append_to(&self, frame: &mut Vec<u8>) -> Result<usize, String> {
+                $crate::wire::codec::write(self, frame)
+            }
+
+            fn encoded_size(&self) -> Result<usize, String> {
+                $crate::wire::codec::write(self, &mut std::io::sink())
+            }
+
+            fn read(payload: &[u8]) -> Result<(Self, usize), String> {
+                $crate::wire::codec::read(payload)
+            }
+        })+
+    };
+}
+pub(super) use encoded;
+
 /// A message with its kind and its checks.
-pub trait Message: Serialize + DeserializeOwned {
+pub trait Message: Encoded {
     /// Number of the kind in the frame.
     const KIND: u8;
     /// Name of the kind, for messages to users.
@@ -117,8 +159,7 @@ pub fn encode<M: Message>(message: &M) -> Result<Vec<u8>, WireError> {
     frame[..4].copy_from_slice(&MAGIC);
     frame[4..6].copy_from_slice(&PROTOCOL_VERSION.to_le_bytes());
     frame[6] = M::KIND;
-    let written = bincode::serde::encode_into_std_write(message, &mut frame, bincode::config::standard())
-        .map_err(|e| malformed::<M>(&e))?;
+    let written = message.append_to(&mut frame).map_err(malformed::<M>)?;
     if written > MAX_PAYLOAD {
         return Err(WireError::TooLarge(written));
     }
@@ -148,13 +189,7 @@ pub fn decode<M: Message>(frame: &[u8]) -> Result<M, WireError> {
     if stated > MAX_PAYLOAD {
         return Err(WireError::TooLarge(stated));
     }
-    let decode = match stated {
-        size if size <= SMALL => limited::<M, { decode_limit(SMALL) }>,
-        size if size <= MEDIUM => limited::<M, { decode_limit(MEDIUM) }>,
-        size if size <= LARGE => limited::<M, { decode_limit(LARGE) }>,
-        _ => limited::<M, { decode_limit(MAX_PAYLOAD) }>,
-    };
-    let (message, consumed) = decode(payload)?;
+    let (message, consumed) = M::read(payload).map_err(malformed::<M>)?;
     if consumed != payload.len() {
         return Err(WireError::Length { stated: consumed, found: payload.len() });
     }
@@ -162,21 +197,34 @@ pub fn decode<M: Message>(frame: &[u8]) -> Result<M, WireError> {
     Ok(message)
 }
 
-/// Decodes with a memory limit of `LIMIT` bytes; returns the message and the number of bytes read.
-fn limited<M: Message, const LIMIT: usize>(payload: &[u8]) -> Result<(M, usize), WireError> {
-    let limit = bincode::config::standard().with_limit::<LIMIT>();
-    bincode::serde::decode_from_slice(payload, limit).map_err(|e| malformed::<M>(&e))
-}
-
-/// Encoded size of a part of a message [bytes].
+/// Writes an encoded value; returns its size [bytes].
 ///
 /// # Errors
-/// [`WireError::Malformed`] if it cannot be encoded.
-pub fn encoded_size<T: Serialize>(part: &T) -> Result<usize, WireError> {
-    bincode::serde::encode_into_std_write(part, &mut std::io::sink(), bincode::config::standard())
-        .map_err(|e| WireError::Malformed { message: "part", reason: e.to_string() })
+/// The error of the encoder.
+pub(super) fn write<T: Serialize>(part: &T, to: &mut impl std::io::Write) -> Result<usize, String> {
+    bincode::serde::encode_into_std_write(part, to, bincode::config::standard()).map_err(|e| e.to_string())
 }
 
-fn malformed<M: Message>(reason: &dyn std::fmt::Display) -> WireError {
-    WireError::Malformed { message: M::NAME, reason: reason.to_string() }
+/// Decodes a value with a memory limit for the size of its bytes; returns it with the number of bytes read.
+///
+/// # Errors
+/// The error of the decoder.
+pub(super) fn read<T: DeserializeOwned>(payload: &[u8]) -> Result<(T, usize), String> {
+    let decode = match payload.len() {
+        size if size <= SMALL => limited::<T, { decode_limit(SMALL) }>,
+        size if size <= MEDIUM => limited::<T, { decode_limit(MEDIUM) }>,
+        size if size <= LARGE => limited::<T, { decode_limit(LARGE) }>,
+        _ => limited::<T, { decode_limit(MAX_PAYLOAD) }>,
+    };
+    decode(payload)
+}
+
+/// Decodes with a memory limit of `LIMIT` bytes.
+fn limited<T: DeserializeOwned, const LIMIT: usize>(payload: &[u8]) -> Result<(T, usize), String> {
+    let limit = bincode::config::standard().with_limit::<LIMIT>();
+    bincode::serde::decode_from_slice(payload, limit).map_err(|e| e.to_string())
+}
+
+fn malformed<M: Message>(reason: String) -> WireError {
+    WireError::Malformed { message: M::NAME, reason }
 }

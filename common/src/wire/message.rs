@@ -1,6 +1,6 @@
 //! The messages between coordinator and workers.
 
-use super::codec::{Message, WireError};
+use super::codec::{Message, WireError, encoded};
 use super::numbers;
 use crate::accuracy::Accuracy;
 use crate::build::Build;
@@ -207,6 +207,8 @@ pub fn worker_name(text: &str) -> String {
 fn is_name_byte(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || matches!(byte, b'-' | b'_' | b'.')
 }
+
+encoded!(Claim, Reply, Notice, Outcome);
 
 impl Message for Claim {
     const KIND: u8 = 1;

@@ -1,6 +1,6 @@
 //! Status of a study, as a reply to status queries: workers, queue, evaluations, interim reliability.
 
-use super::codec::{Message, WireError};
+use super::codec::{Message, WireError, encoded};
 use super::numbers;
 use serde::{Deserialize, Serialize};
 
@@ -135,6 +135,8 @@ pub struct WorkerStatus {
     /// Rate of its finished evaluations over the last minute [1/s].
     pub rate: f64,
 }
+
+encoded!(Status);
 
 impl Message for Status {
     const KIND: u8 = 4;

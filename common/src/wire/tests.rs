@@ -1,6 +1,6 @@
 //! Properties of the codec: round trip, no panic and no unbounded allocation for any bytes, and its errors.
 
-use super::codec::{HEADER, encoded_size};
+use super::codec::{Encoded, HEADER};
 use super::*;
 use crate::accuracy::{Accuracy, Tier};
 use crate::external::SimulatorId;
@@ -215,7 +215,7 @@ proptest! {
     #[test]
     fn claims_are_decoded_unchanged(message in claim()) {
         let frame = encode(&message).unwrap();
-        prop_assert_eq!(frame.len() - HEADER, encoded_size(&message).unwrap());
+        prop_assert_eq!(frame.len() - HEADER, message.encoded_size().unwrap());
         prop_assert_eq!(decode::<Claim>(&frame).unwrap(), message);
     }
 
@@ -246,7 +246,7 @@ proptest! {
     #[test]
     fn any_payload_is_read_or_refused_without_a_panic(payload in vec(any::<u8>(), 0..300)) {
         if let Ok(claim) = decode::<Claim>(&frame_with(&payload)) {
-            prop_assert!(encoded_size(&claim).unwrap() <= 9 * payload.len());
+            prop_assert!(claim.encoded_size().unwrap() <= 9 * payload.len());
         }
     }
 
@@ -392,7 +392,7 @@ fn the_largest_message_passes_and_a_larger_one_does_not() {
             tasks: vec![],
         }),
     };
-    let around = encoded_size(&reply(1 << 20)).unwrap() - (1 << 20);
+    let around = reply(1 << 20).encoded_size().unwrap() - (1 << 20);
     let largest = reply(MAX_PAYLOAD - around);
     assert_eq!(decode::<Reply>(&encode(&largest).unwrap()).unwrap(), largest);
     assert!(MAX_MESSAGE.parse::<usize>().unwrap() > HEADER + MAX_PAYLOAD + (64 << 10));

@@ -87,7 +87,8 @@ const COMMON: [&str; 13] = [
 const LONGEST: usize = 400;
 
 /// Crates that only the named places of a crate's sources may use.
-const KEPT_TO: [(&str, &str, &[&str]); 13] = [
+const KEPT_TO: [(&str, &str, &[&str]); 14] = [
+    ("zenoh", "common/sessions", &["lib.rs"]),
     ("zenoh", "worker", &["service/link.rs"]),
     ("zenoh", "coordinator", &["farm/dispatch/transport/"]),
     ("bincode", "common", &["wire/codec.rs"]),
@@ -104,8 +105,9 @@ const KEPT_TO: [(&str, &str, &[&str]); 13] = [
 ];
 
 /// Crates that a crate does not depend on, not even for its tests.
-const BARRED: [(&str, &[&str]); 4] = [
+const BARRED: [(&str, &[&str]); 5] = [
     ("common", &["worker", "coordinator", "tests", "zenoh", "tokio", "nalgebra", "faer"]),
+    ("common/sessions", &["common", "worker", "coordinator", "tests"]),
     ("worker", &["coordinator", "tests", "bincode", "rusqlite"]),
     ("coordinator/statistics", &["worker", "coordinator", "tests", "zenoh", "tokio"]),
     ("coordinator", &["tests", "bincode"]),

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use tests::deployed::{HOST, certificates, configuration, has_openssl};
 use tests::mutated_frames::{Attack, random_changes};
 use tests::within;
-use zenoh::{Config, Wait};
+use zenoh::Config;
 
 /// Time limit of each test; only a defect takes longer.
 const LONGEST: Duration = Duration::from_secs(120);
@@ -85,7 +85,7 @@ fn a_coordinator_that_does_not_answer_its_own_questions_is_noticed() {
         ] {
             config.insert_json5(key, value).unwrap();
         }
-        let _silent = zenoh::open(config).wait().unwrap();
+        let _silent = sessions::open(config).unwrap();
         failed.recv_timeout(LONGEST).unwrap();
         drop(watched);
     });

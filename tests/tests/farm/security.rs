@@ -15,7 +15,7 @@ use tests::{
     requests, worker,
 };
 use worker::service::{self, Departure, ServiceConfig, ServiceError, WorkerHandle};
-use zenoh::{Config, Session, Wait};
+use zenoh::{Session, Wait};
 
 /// A listening coordinator with this configuration, and its endpoint with the name in its certificate.
 fn open(config: PathBuf) -> (ZenohEvaluator, String) {
@@ -163,7 +163,7 @@ fn only_the_protocol(config: PathBuf, permitted: &Path, stranger: &Path) {
 fn the_access_rules_name_exactly_the_keys_of_the_protocol() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["zenoh-tls-coordinator.json5", "zenoh-password-coordinator.json5", "zenoh-router.json5"] {
-        let config = Config::from_file(configuration(name, folder.path())).unwrap();
+        let config = sessions::configuration(Some(&configuration(name, folder.path()))).unwrap();
         let rules: serde_json::Value =
             serde_json::from_str(&config.get_json("access_control/rules").unwrap()).unwrap();
         let named: BTreeSet<String> = rules
@@ -223,9 +223,9 @@ fn workers_of_another_site_work_through_routers() {
             }
             let up = ("tls/coordinator.example:7447", towards);
             let changes = [trunk, ("tls/0.0.0.0:7447", "tls/127.0.0.1:0"), up];
-            let config =
-                Config::from_file(changed_configuration("zenoh-router.json5", &at_site, &changes)).unwrap();
-            let router = zenoh::open(config).wait().unwrap();
+            let configuration = changed_configuration("zenoh-router.json5", &at_site, &changes);
+            let config = sessions::configuration(Some(&configuration)).unwrap();
+            let router = sessions::open(config).unwrap();
             let endpoint = router.info().locators().wait()[0].to_string();
             (router, endpoint)
         };

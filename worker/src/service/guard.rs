@@ -4,6 +4,7 @@ use super::{Job, Simulator};
 use common::external::SampleResult;
 use common::failure::SimulationFailure;
 use common::panics::caught;
+use common::wire::codec::Encoded;
 use common::wire::{self, Outcome};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -74,7 +75,7 @@ fn only_finite(result: SampleResult) -> SampleResult {
 }
 
 fn within_size(outcome: Outcome) -> Outcome {
-    match wire::codec::encoded_size(&outcome) {
+    match outcome.encoded_size() {
         Ok(bytes) if bytes <= MAX_OUTCOME => outcome,
         size => {
             let size = size.map_or_else(|error| error.to_string(), |bytes| format!("{bytes} bytes"));

@@ -5,6 +5,7 @@ use super::{ClaimEvent, Departure, ServiceConfig, ServiceError};
 use crate::log::refusal;
 use common::panics::ends_within;
 use common::wire::{self, WorkerId, keys, reason};
+use std::path::Path;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant};
 use zenoh::liveliness::LivelinessToken;
@@ -152,7 +153,7 @@ impl Link {
     /// Closes the session; gives up after [`CLOSE_TIMEOUT`].
     pub(crate) fn close(&self) {
         let session = self.session.clone();
-        if !ends_within(CLOSE_TIMEOUT, "worker-close", move || _ = session.close().wait()) {
+        if !ends_within(CLOSE_TIMEOUT, "worker-close", move || sessions::close(&session)) {
             tracing::debug!("the session did not close in time");
         }
     }
@@ -179,7 +180,7 @@ fn open(mut config: Config, limit: Duration) -> Result<Receiver<Result<Session, 
     config.insert_json5(ATTEMPT_LIMIT, &limit.as_millis().to_string()).map_err(messaging)?;
     let (opened, opening) = channel();
     let open = move || {
-        let _ = opened.send(zenoh::open(config).wait().map_err(reason));
+        let _ = opened.send(sessions::open(config).map_err(reason));
     };
     std::thread::Builder::new().name("worker-open".into()).spawn(open).map_err(ServiceError::Thread)?;
     Ok(opening)
@@ -212,13 +213,11 @@ fn must_leave(
 /// # Errors
 /// [`ServiceError::Settings`], [`ServiceError::Messaging`].
 pub(super) fn link_settings(service: &ServiceConfig, endpoint: &str) -> Result<Config, ServiceError> {
-    let mut config = match &service.zenoh_config {
-        None => Config::default(),
-        Some(file) => Config::from_file(file).map_err(|error| ServiceError::Settings {
-            setting: format!("Zenoh configuration {}", file.display()),
-            reason: reason(error),
-        })?,
-    };
+    let file = service.zenoh_config.as_deref();
+    let mut config = sessions::configuration(file).map_err(|error| ServiceError::Settings {
+        setting: format!("Zenoh configuration {}", file.unwrap_or(Path::new("")).display()),
+        reason: reason(error),
+    })?;
     for (key, value) in ZENOH_SETTINGS {
         config.insert_json5(key, value).map_err(messaging)?;
     }

@@ -1,7 +1,8 @@
 //! Finished outcomes that are not acknowledged yet. Each is sent at once, then again after growing pauses: a coordinator
 //! that has restarted may not have requested the task again yet.
 
-use common::wire::{Outcome, Task, TaskKey, codec};
+use common::wire::codec::Encoded;
+use common::wire::{Outcome, Task, TaskKey};
 use std::time::{Duration, Instant};
 
 /// Size of the outcomes in one claim [bytes]; a single larger outcome is sent alone.
@@ -41,7 +42,7 @@ impl UnacknowledgedResults {
 
     /// Adds an outcome, to be sent with the next claim.
     pub(crate) fn push(&mut self, outcome: Outcome, now: Instant) {
-        let bytes = codec::encoded_size(&outcome).unwrap_or(CLAIM_BYTES);
+        let bytes = outcome.encoded_size().unwrap_or(CLAIM_BYTES);
         self.0.push(Entry { outcome, bytes, due: now, pause: FIRST_PAUSE });
     }
 

@@ -88,8 +88,7 @@ impl ClientSession {
     /// # Errors
     /// Those of [`open`](Self::open).
     pub fn open_within(endpoint: &str, config: Option<&Path>, time: Duration) -> Result<Self, ClientError> {
-        let session = zenoh::open(settings(endpoint, config, time)?)
-            .wait()
+        let session = sessions::open(settings(endpoint, config, time)?)
             .map_err(|error| ClientError::Unreachable(endpoint.to_owned(), reason(error)))?;
         Ok(Self { session, endpoint: endpoint.to_owned() })
     }
@@ -152,11 +151,9 @@ impl ClientSession {
 
 fn settings(endpoint: &str, config: Option<&Path>, opening: Duration) -> Result<Config, ClientError> {
     let wrong = |reason: String| ClientError::Endpoint(endpoint.to_owned(), reason);
-    let mut settings = match config {
-        None => Config::default(),
-        Some(file) => Config::from_file(file)
-            .map_err(|error| ClientError::Configuration(file.to_owned(), reason(error)))?,
-    };
+    let mut settings = sessions::configuration(config).map_err(|error| {
+        ClientError::Configuration(config.map(Path::to_owned).unwrap_or_default(), reason(error))
+    })?;
     let opening = opening.as_millis().to_string();
     for (key, value) in SETTINGS.into_iter().chain([("transport/unicast/open_timeout", opening.as_str())]) {
         settings

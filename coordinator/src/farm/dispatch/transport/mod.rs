@@ -95,8 +95,7 @@ impl Transport {
     ) -> Result<Self, DispatchError> {
         let on_incoming = Arc::new(on_incoming);
         let (config, endpoints) = transport_settings(listen)?;
-        let session = zenoh::open(config)
-            .wait()
+        let session = sessions::open(config)
             .map_err(|error| DispatchError::Endpoint(endpoints.join(", "), reason(error)))?;
         let changed = Arc::clone(&on_incoming);
         let liveliness = session
@@ -142,7 +141,7 @@ impl Transport {
     pub fn close(self) {
         let Self { session, outgoing, .. } = self;
         drop(outgoing);
-        if !ends_within(CLOSE_TIMEOUT, "coordinator-close", move || _ = session.close().wait()) {
+        if !ends_within(CLOSE_TIMEOUT, "coordinator-close", move || sessions::close(&session)) {
             tracing::debug!("the session did not close in time");
         }
     }

@@ -52,11 +52,9 @@ pub struct Listen {
 /// # Errors
 /// [`DispatchError::Configuration`], [`DispatchError::Endpoint`], [`DispatchError::Insecure`].
 pub(super) fn transport_settings(listen: &Listen) -> Result<(Config, Vec<String>), DispatchError> {
-    let mut config = match &listen.config {
-        None => Config::default(),
-        Some(file) => Config::from_file(file)
-            .map_err(|error| DispatchError::Configuration(file.clone(), reason(error)))?,
-    };
+    let mut config = sessions::configuration(listen.config.as_deref()).map_err(|error| {
+        DispatchError::Configuration(listen.config.clone().unwrap_or_default(), reason(error))
+    })?;
     let endpoints = match &listen.endpoint {
         Some(endpoint) => vec![endpoint.clone()],
         None => endpoints_of(&config).unwrap_or_else(|| vec![DEFAULT_ENDPOINT.into()]),
