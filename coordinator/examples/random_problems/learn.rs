@@ -66,6 +66,8 @@ pub struct Run {
     pub stop: Option<StopReason>,
     /// Wall time [s].
     pub seconds: f64,
+    /// Share of the population in the largest ball without a simulation [1].
+    pub largest_gap: f64,
 }
 
 /// Learns a problem. A study that too many failed simulations ended is a result without a comparison. With `trace` every
@@ -135,6 +137,7 @@ pub fn learn(
         population: 0,
         stop: None,
         seconds: started.elapsed().as_secs_f64(),
+        largest_gap: f64::NAN,
     };
     match learned {
         Ok(learned) => Ok(compared(problem, truth, &learned, blank)),
@@ -170,6 +173,7 @@ fn compared(problem: &RandomProblem, truth: &Truth, learned: &CampaignResult, bl
         surrogate_error: learned.classified.condition.probability * of_system.copied().unwrap_or(f64::NAN),
         on_population: learned.classified.condition.probability * failed as f64 / population.len() as f64,
         population: population.len(),
+        largest_gap: learned.largest_gap(),
         stop: Some(learned.stop),
         ..blank
     }

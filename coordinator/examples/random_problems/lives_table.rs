@@ -83,6 +83,7 @@ mod tests {
             population: 1000,
             stop: None,
             seconds: 1.0,
+            largest_gap: 0.02,
         };
         // The first checkpoint is nearly certain survival and does not count.
         let first = vec![at(0.1, 1e-5), at(0.1, 0.101), at(0.2, 0.203), at(0.3, 0.305)];

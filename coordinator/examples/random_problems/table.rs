@@ -12,7 +12,7 @@ const COMPARED: (f64, f64) = (1e-4, 0.9999);
 
 /// Header of [`line`], as CSV.
 pub const HEADER: &str = "problem,class,variables,limit_states,truth,truth_error,pf,lower,upper,standard_error,distance,\
-                          surrogate_error,on_population,calls,population,stop,seconds";
+                          surrogate_error,on_population,calls,population,stop,seconds,largest_gap";
 
 /// Name of a reason to stop.
 fn stop_name(stop: Option<StopReason>) -> &'static str {
@@ -31,7 +31,7 @@ pub fn line(run: &Run) -> String {
     let last = run.checkpoints.last().copied().unwrap_or(nothing);
     let (lower, upper) = last.interval();
     format!(
-        "{},{},{d},{modes},{:.4e},{:.1e},{:.4e},{:.4e},{:.4e},{:.2e},{:.2},{:.2e},{:.4e},{},{},{},{:.1}",
+        "{},{},{d},{modes},{:.4e},{:.1e},{:.4e},{:.4e},{:.4e},{:.2e},{:.2},{:.2e},{:.4e},{},{},{},{:.1},{:.4}",
         run.index,
         run.class.name(),
         last.truth,
@@ -46,7 +46,8 @@ pub fn line(run: &Run) -> String {
         run.calls,
         run.population,
         stop_name(run.stop),
-        run.seconds
+        run.seconds,
+        run.largest_gap
     )
 }
 
@@ -175,6 +176,7 @@ mod tests {
             population: 1000,
             stop: Some(StopReason::Rule(Rule::Error)),
             seconds: 1.0,
+            largest_gap: 0.02,
         };
         let runs = [run(vec![at(0.011)]), run(vec![at(0.01), at(0.015)]), run(vec![])];
         let row = row("kink", runs.iter());

@@ -92,6 +92,10 @@ pub struct StudySummary {
     /// Failure probabilities that no simulation has tested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub untested: Option<UntestedRow>,
+    /// Share of the population in the largest ball around one of its points without a simulation [1], where a region of failures of its own
+    /// would not be seen; absent with direct simulation and in studies by earlier versions.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub largest_gap: Option<f64>,
     /// Moments of the outputs, one row per checkpoint.
     pub moments: Vec<MomentsRow>,
     /// Derivatives of the failure probabilities.

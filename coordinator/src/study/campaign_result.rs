@@ -7,6 +7,7 @@ use super::{
     Outlier, SampleRequest, Step, StopReason,
 };
 use crate::results::summary::Round;
+use crate::statistics::learning::largest_gap;
 use crate::statistics::reliability::CurvePoint;
 use std::collections::VecDeque;
 
@@ -17,6 +18,8 @@ pub struct CampaignResult {
     pub classified: ClassifiedPopulation,
     /// Results of all successful simulations that the surrogates use.
     pub observations: Observations,
+    /// Standardised points `(d,)` of all other simulations.
+    pub explored: Vec<Vec<f64>>,
     /// Surrogates and classification of the last round.
     pub assessment: Assessment,
     /// All rounds, in order.
@@ -39,6 +42,13 @@ impl CampaignResult {
     /// R(n) with its standard error, as a study states it, per curve `(limit states + 1)(m,)`, the system last.
     pub fn reliability(&self) -> Vec<Vec<CurvePoint>> {
         self.shares.curves()
+    }
+
+    /// Share of the population in the largest ball without a simulation [1], see [`largest_gap`].
+    pub fn largest_gap(&self) -> f64 {
+        let known: Vec<&[f64]> =
+            self.observations.standardised().chain(self.explored.iter().map(Vec::as_slice)).collect();
+        largest_gap(self.classified.unconditional(), &known)
     }
 }
 
@@ -106,6 +116,7 @@ impl Campaign {
             assessment: self.assessment?,
             method: self.plan.settings.method,
             classified: self.classified,
+            explored: self.data.explored(),
             observations: self.data.observations,
             rounds: self.rounds,
             evaluations: self.requests.received,

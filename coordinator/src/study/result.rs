@@ -129,6 +129,7 @@ pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &Campai
         summary: StudySummary {
             failure_points: failure_points(scene, &sampled, &first_failures[..scene.limit_states.len()]),
             sobol: sobol(scene, learned),
+            largest_gap: Some(learned.largest_gap()),
             predictions: predictions(scene, learned),
             ..curves.summary
         },

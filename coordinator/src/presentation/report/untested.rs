@@ -137,7 +137,7 @@ mod tests {
         let curves = vec!["play".to_owned()];
         summary.untested = Some(UntestedRow { curves, samples: 11, bound: 0.2384, predicted: 0.5 });
         for row in &mut summary.surrogates {
-            (row.different_values, row.outlier) = (Some(3), Some(41.0));
+            (row.different_values, row.outlier, row.logarithms) = (Some(3), Some(41.0), true);
         }
         let failed = OutlierEvaluation { number: None, value: None, ..OutlierEvaluation::default() };
         summary.outliers = vec![OutlierRow { evaluations: vec![failed], ..OutlierRow::default() }];

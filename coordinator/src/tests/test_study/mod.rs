@@ -257,6 +257,7 @@ pub fn study() -> TestStudy {
         evaluations: EvaluationCounts { total: 216, initial: 120, added: 96, failed: 1 },
         designs: Vec::new(),
         simulations_beyond_a_limit: Some(90),
+        largest_gap: Some(0.031),
         outliers: Vec::new(),
         scale: None,
         untested: None,

@@ -25,7 +25,9 @@ use rayon::prelude::*;
 
 /// Points of the population among which a gap is looked for.
 const SAMPLE: usize = 1024;
-/// Share of them that are nearest to a limit [1].
+/// Points of the population by which the largest gap is measured.
+const LOOKED_AT: usize = 2048;
+/// Share of the sample that are nearest to a limit [1].
 const NEAREST: f64 = 0.05;
 
 /// Where a gap is filled.
@@ -35,6 +37,22 @@ pub enum Gap {
     Bulk,
     /// Near a limit.
     Limit,
+}
+
+/// Share of the population [1] in the largest ball around one of its points without any of the standardised points `known` `(d,)` in it,
+/// by its first [`LOOKED_AT`] points: where a region of failures of its own would be seen by no simulation.
+///
+/// With n points that were drawn like the population the share of a ball is 1 / (n + 1) in the mean, in any number of variables; the
+/// largest is a few times that.
+pub fn largest_gap(population: &Population, known: &[&[f64]]) -> f64 {
+    let points: Vec<&[f64]> =
+        (0..population.len().min(LOOKED_AT)).map(|j| population.standardised(j)).collect();
+    let share = |at: &&[f64]| {
+        let nearest = known.iter().map(|known| squared_distance(at, known)).fold(f64::INFINITY, f64::min);
+        points.iter().filter(|point| squared_distance(at, point) < nearest).count()
+    };
+    let largest = points.par_iter().map(share).max().unwrap_or(0);
+    largest as f64 / points.len().max(1) as f64
 }
 
 /// A random sample of the open points of a population, as indices; `closed` `(N,)` marks the others.
@@ -87,19 +105,25 @@ pub fn widest_gap<'a>(
     }
 }
 
+fn squared_distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
+}
+
 /// Gap of the point that brings all of these `points` `(c)(d,)` nearest to the known ones and itself, see the head of this file.
 fn most_representative<'a>(
     points: &[&[f64]],
     known: impl Iterator<Item = (&'a [f64], f64)>,
     feasible: &[f64],
 ) -> Option<usize> {
-    let square = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
     let mut nearest = vec![f64::MAX; points.len()];
     for (at, factor) in known {
-        nearest.iter_mut().zip(points).for_each(|(d, point)| *d = d.min(factor * square(at, point)));
+        nearest
+            .iter_mut()
+            .zip(points)
+            .for_each(|(d, point)| *d = d.min(factor * squared_distance(at, point)));
     }
     let gain = |i: usize| {
-        let gained = |(d, point): (&f64, &&[f64])| (d - square(point, points[i])).max(0.0);
+        let gained = |(d, point): (&f64, &&[f64])| (d - squared_distance(point, points[i])).max(0.0);
         feasible[i] * nearest.iter().zip(points).map(gained).sum::<f64>()
     };
     let gains: Vec<f64> = (0..points.len()).into_par_iter().map(gain).collect();
@@ -112,6 +136,19 @@ mod tests {
     use crate::design::{Stream, open_stream};
     use crate::learning::classification::tests::mode;
     use common::random::Distribution;
+
+    #[test]
+    fn the_largest_gap_is_the_mass_of_a_ball_without_a_simulation() {
+        let normal = Distribution::normal(0.0, 1.0).unwrap();
+        let population = Population::draw(&vec![normal; 2], 20_000, 1);
+        // Points on a grid of spacing 1, but for the origin: nothing within 1 of it, P(|z|^2 < 1) = 1 - exp(-1/2).
+        let grid = (-5..=5).flat_map(|i| (-5..=5).map(move |k| [f64::from(i), f64::from(k)]));
+        let known: Vec<[f64; 2]> = grid.filter(|z| *z != [0.0; 2]).collect();
+        let known: Vec<&[f64]> = known.iter().map(|z| &z[..]).collect();
+        let found = largest_gap(&population, &known);
+        assert!((found - (1.0 - (-0.5_f64).exp())).abs() < 0.04, "{found}");
+        assert_eq!(largest_gap(&population, &[]), 1.0);
+    }
 
     #[test]
     fn the_bulk_is_filled_where_most_points_are_far_and_a_limit_along_itself() {

@@ -43,7 +43,7 @@ pub use classification::{
 };
 pub use error::{SURROGATE_SAFETY, estimate_errors, noise_shifts};
 pub use exploration::{draw_rim, explore, farthest};
-pub use gaps::{Gap, sample_of_open, widest_gap};
+pub use gaps::{Gap, largest_gap, sample_of_open, widest_gap};
 pub use pool::{JointPool, Pool, choose_pool};
 pub use selection::{LearningFunction, Selection};
 pub use steps::{LearnedThreshold, is_on_grid, learned_threshold};

@@ -136,11 +136,24 @@ fn assumptions(input: &ReportInput) -> Vec<String> {
          The error of the model itself, and of its coefficients, is in none of them: results calibrated to measurements describe \
          these, and are no prediction for other conditions.",
     ];
-    let of_surrogates = "A region of failures that no simulation came near is in no interval: surrogates state the errors of what they predict, \
-                         and a region of which no result gives a sign is predicted to be safe.";
-    let of_surrogates = (!input.summary.is_direct()).then_some(of_surrogates);
-    text.extend(always.into_iter().chain(of_surrogates).map(str::to_owned));
+    let of_surrogates = (!input.summary.is_direct()).then(|| unseen(input.summary.largest_gap));
+    text.extend(always.into_iter().map(str::to_owned).chain(of_surrogates));
     text
+}
+
+/// What surrogates cannot know, with the share of the population in the largest ball without a simulation [1].
+fn unseen(largest_gap: Option<f64>) -> String {
+    let gap = largest_gap.map_or(String::new(), |share| {
+        format!(
+            " The largest ball around a sample of the population without a simulation holds {:.1} % of the population: so much a separate \
+             region could add to P_f without having been seen.",
+            100.0 * share
+        )
+    });
+    format!(
+        "A region of failures that no simulation came near is in no interval: surrogates state the errors of what they predict, and a \
+         region of which no result gives a sign is predicted to be safe.{gap}"
+    )
 }
 
 /// What the model of a mechanism, or of the wear around a program, does not contain.
