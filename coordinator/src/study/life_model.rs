@@ -176,7 +176,8 @@ impl LifeModel {
 
     /// Earliest life at which an output is known [cycles].
     pub fn beginning(&self, output: usize) -> f64 {
-        if self.outputs[output].history.has_start { 0.0 } else { self.times[0] }
+        let history = &self.outputs[output].history;
+        if history.has_start || history.start.is_some() { 0.0 } else { self.times[0] }
     }
 
     /// Last checkpoint [cycles].

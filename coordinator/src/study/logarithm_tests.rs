@@ -122,11 +122,12 @@ fn single_points_have_lives_and_values_of_the_product() {
     let samples = [[1.0, 1.0, 1.0], [1.3, 0.8, 1.1], [0.9, 1.4, 0.8]];
     let z: Vec<Vec<f64>> = samples.iter().map(|x| model.inputs.standardise(x)).collect();
     let points = Mat::from_fn(3, 3, |k, j| z[j][k]);
+    assert_eq!(model.beginning(0), 0.0);
     let responses = model.respond(points.as_ref(), &[0.0; 3], &[0]);
     for (j, x) in samples.iter().enumerate() {
         let exact = 1000.0 * LIMIT / wear(x, 1000.0);
         assert!((responses.lives[j] / exact - 1.0).abs() < 1e-3, "{x:?} {} {exact}", responses.lives[j]);
-        for n in [150.0, 1000.0, 2950.0] {
+        for n in [50.0, 150.0, 1000.0, 2950.0] {
             let value = model.value_at(0, &responses.histories[0], j, n);
             assert!((value / wear(x, n) - 1.0).abs() < 2e-3, "{x:?} {n} {value} {}", wear(x, n));
         }

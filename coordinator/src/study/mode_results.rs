@@ -86,6 +86,7 @@ impl<'a> ModeResults<'a> {
         (chosen, noise)
     }
 
+    /// What the fit of these learned values is given.
     pub fn training<'t>(
         &'t self,
         chosen: &'t Mat<f64>,

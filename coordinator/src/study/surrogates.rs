@@ -212,8 +212,7 @@ impl Surrogate {
 
     /// Scale in which these values `(n, m)` of an output are predicted with the lengths of this surrogate: its own, as far as they allow it.
     pub(super) fn scale_of(&self, values: &Mat<f64>) -> ResponseScale {
-        let has_others = values.col_iter().any(|column| column.iter().any(|y| *y <= 0.0));
-        if has_others { ResponseScale::Values } else { self.scale }
+        if self.scale.allows(values.as_ref()) { self.scale } else { ResponseScale::Values }
     }
 
     /// Factor on the predicted variances [1], at least 1: the mean of squared errors over predicted variances

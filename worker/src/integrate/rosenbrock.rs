@@ -27,7 +27,7 @@
 
 use super::layout::with_layout;
 use super::{Band, Dynamics, Layout, Linearised, add_product, factor, solve};
-use crate::lanes::Real;
+use crate::lanes::{Real, Vectorised};
 
 /// gamma, the diagonal of the Runge-Kutta matrix.
 const GAMMA: f64 = 0.231;
@@ -76,6 +76,63 @@ struct Start<'a, R> {
     v: &'a [R],
 }
 
+/// The matrix of a step and its first stage; zero where the matrix is as good as singular, else one.
+struct First<'a, R, L> {
+    scheme: &'a mut Rosenbrock<R>,
+    layout: L,
+    mass: &'a [R],
+    start: &'a Start<'a, R>,
+}
+
+impl<R: Real, L: Layout> Vectorised for First<'_, R, L> {
+    type Output = R;
+
+    #[inline(always)]
+    fn run(self) -> R {
+        let First { scheme, layout, mass, start } = self;
+        let sound = scheme.factor(layout, mass, start);
+        scheme.solve_stage::<_, 0>(0, layout, mass, start);
+        sound
+    }
+}
+
+/// The second or third stage.
+struct Inner<'a, R, L> {
+    scheme: &'a mut Rosenbrock<R>,
+    stage: usize,
+    layout: L,
+    mass: &'a [R],
+    start: &'a Start<'a, R>,
+}
+
+impl<R: Real, L: Layout> Vectorised for Inner<'_, R, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.scheme.solve_stage::<_, 2>(self.stage, self.layout, self.mass, self.start);
+    }
+}
+
+/// The fourth stage and the end of the step.
+struct Last<'a, R, L> {
+    scheme: &'a mut Rosenbrock<R>,
+    layout: L,
+    mass: &'a [R],
+    start: &'a Start<'a, R>,
+}
+
+impl<R: Real, L: Layout> Vectorised for Last<'_, R, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Last { scheme, layout, mass, start } = self;
+        scheme.solve_stage::<_, 3>(3, layout, mass, start);
+        scheme.combine_stages(layout, mass, start);
+    }
+}
+
 impl<R: Real> Rosenbrock<R> {
     /// Work space for the degrees of freedom of `band`, in as many lanes as `like`.
     pub(crate) fn new(like: R, band: &Band) -> Self {
@@ -110,16 +167,14 @@ impl<R: Real> Rosenbrock<R> {
     ) -> R {
         let band = at.band;
         let start = Start { at, h, per_h: h.like(1.0) / h, q, v };
-        let sound = with_layout!(band, layout => self.factor(layout, system.mass(), &start));
-        with_layout!(band, layout => self.solve_stage::<_, 0>(0, layout, system.mass(), &start));
+        let sound = with_layout!(band, layout => h.apart(First { scheme: self, layout, mass: system.mass(), start: &start }));
         // A loop the compiler cannot unroll: the force is inlined once, and the code of a step stays small.
         for stage in 1..std::hint::black_box(3) {
             with_layout!(band, layout => self.stage_state(stage, layout, &start));
             system.force(t.plus_product(h, h.like(NODE[stage])), &self.q, &self.v, &mut self.f);
-            with_layout!(band, layout => self.solve_stage::<_, 2>(stage, layout, system.mass(), &start));
+            with_layout!(band, layout => h.apart(Inner { scheme: self, stage, layout, mass: system.mass(), start: &start }));
         }
-        with_layout!(band, layout => self.solve_stage::<_, 3>(3, layout, system.mass(), &start));
-        with_layout!(band, layout => self.combine_stages(layout, system.mass(), &start));
+        with_layout!(band, layout => h.apart(Last { scheme: self, layout, mass: system.mass(), start: &start }));
         sound
     }
 

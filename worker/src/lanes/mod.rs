@@ -17,5 +17,5 @@ mod vectorised;
 pub(crate) use elementary::{cube_root, direction_angle, sincos, tanh};
 pub(crate) use lanewise::{InLane, Lanewise, read_lane};
 pub(crate) use lanewise::{in_lane, lanewise, same_in_lanes};
-pub(crate) use real::{Lanes, Real};
-pub(crate) use vectorised::{InLanes, Vectorised, fused, in_widest_lanes, run_in};
+pub(crate) use real::{Lanes, Real, Vectorised, run_in};
+pub(crate) use vectorised::{InLanes, fused, in_widest_lanes};

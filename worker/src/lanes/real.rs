@@ -1,8 +1,16 @@
 //! A number, or a SIMD vector of numbers.
 
-use pulp::{Simd, bytemuck};
+use pulp::{Simd, WithSimd, bytemuck};
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+
+/// Work on single numbers, or in lanes of its own.
+pub trait Vectorised {
+    /// Result of the work.
+    type Output;
+    /// Does the work.
+    fn run(self) -> Self::Output;
+}
 
 /// One number per lane, with the operations of the kernels.
 pub trait Real:
@@ -57,6 +65,13 @@ pub trait Real:
     fn both(a: Self::Mask, b: Self::Mask) -> Self::Mask;
     /// True if the mask is true in any lane.
     fn any(mask: Self::Mask) -> bool;
+
+    /// Does `work` like `self`, in lanes as a function of its own: a step that is inlined whole is one function of a size at which the
+    /// compiler takes minutes. One number has no instructions of its own that such a function could be compiled for.
+    #[inline(always)]
+    fn apart<W: Vectorised>(self, work: W) -> W::Output {
+        work.run()
+    }
 
     /// Zero in every lane.
     #[inline(always)]
@@ -337,11 +352,38 @@ impl<S: Simd> Real for Lanes<S> {
         Lanes { simd, value: simd.select_f64s(mask, yes.value, no.value) }
     }
     #[inline(always)]
+    fn apart<W: Vectorised>(self, work: W) -> W::Output {
+        run_apart(self.simd, work)
+    }
+    #[inline(always)]
     fn both((simd, a): Self::Mask, (_, b): Self::Mask) -> Self::Mask {
         (simd, simd.and_m64s(a, b))
     }
     #[inline(always)]
     fn any((simd, mask): Self::Mask) -> bool {
         simd.first_true_m64s(mask) < S::F64_LANES
+    }
+}
+
+/// Does `work`, which uses lanes of `simd`, with its instructions.
+pub(crate) fn run_in<S: Simd, W: Vectorised>(simd: S, work: W) -> W::Output {
+    simd.vectorize(OnProcessor(work))
+}
+
+/// As [`run_in`], never inlined.
+#[inline(never)]
+fn run_apart<S: Simd, W: Vectorised>(simd: S, work: W) -> W::Output {
+    run_in(simd, work)
+}
+
+/// Work for the instructions of any lanes.
+pub(super) struct OnProcessor<W>(pub W);
+
+impl<W: Vectorised> WithSimd for OnProcessor<W> {
+    type Output = W::Output;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) -> W::Output {
+        self.0.run()
     }
 }

@@ -3,18 +3,11 @@
 //! What the work calls must be `#[inline(always)]`, without closures: what is not inlined stays compiled for the oldest processor, where
 //! a fused operation is a call of the C library. Its results have the same bits everywhere, it only takes longer.
 
-use super::{Lanes, Real};
+use super::real::OnProcessor;
+use super::{Lanes, Real, Vectorised};
 #[cfg(not(all(test, target_arch = "x86_64")))]
 use pulp::Arch;
 use pulp::{Scalar, Simd, WithSimd};
-
-/// Work on single numbers, or in lanes of its own.
-pub trait Vectorised {
-    /// Result of the work.
-    type Output;
-    /// Does the work.
-    fn run(self) -> Self::Output;
-}
 
 /// Work in lanes of any width, with the same result in each.
 pub trait InLanes {
@@ -39,11 +32,6 @@ pub(crate) fn widest<W: WithSimd>(work: W) -> W::Output {
     Arch::new().dispatch(work)
 }
 
-/// Does `work`, which uses lanes of `simd`, with its instructions.
-pub(crate) fn run_in<S: Simd, W: Vectorised>(simd: S, work: W) -> W::Output {
-    simd.vectorize(OnProcessor(work))
-}
-
 /// Does `work` on single numbers with the fused operations of this processor, if it has them.
 pub(crate) fn fused<W: Vectorised>(work: W) -> W::Output {
     #[cfg(target_arch = "x86_64")]
@@ -61,16 +49,5 @@ impl<W: InLanes> WithSimd for Wide<W> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         self.0.run(Lanes::all(simd, 0.0));
-    }
-}
-
-struct OnProcessor<W>(W);
-
-impl<W: Vectorised> WithSimd for OnProcessor<W> {
-    type Output = W::Output;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _simd: S) -> W::Output {
-        self.0.run()
     }
 }
