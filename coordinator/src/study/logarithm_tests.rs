@@ -93,7 +93,7 @@ fn a_product_is_learned_by_its_logarithm_and_stated_in_its_own_unit() {
         assert!((row.first_order - exact).abs() < reach, "{row:?} {exact}");
     }
     let moments = &summary.moments[9];
-    let (exact, found) = ((0.5 * spread() * spread()).exp(), moments.moments["wear_mean"]);
+    let (exact, found) = ((0.5 * spread() * spread()).exp(), moments.moments["worn_mean"]);
     assert!((found / exact - 1.0).abs() < 0.03, "{found} {exact}");
 }
 

@@ -2,12 +2,11 @@
 
 use super::Plan;
 use super::observations::{Observations, Sides};
-use super::surrogates::{Surrogate, columns};
 use crate::statistics::learning::{LearnedThreshold, Mode, is_on_grid, learned_threshold};
 use crate::statistics::surrogate::{
-    Chosen, Effort, NoiseShape, ResponseScale, SurrogateError, TrainingSet, fit_surrogate,
+    Chosen, Effort, Kriging, NoiseShape, ResponseScale, SurrogateError, TrainingSet, fit_surrogate,
 };
-use faer::Mat;
+use faer::{Mat, MatRef};
 
 /// Results of the response of one limit state, in the scale in which they are learned.
 #[derive(Clone)]
@@ -97,16 +96,16 @@ impl<'a> ModeResults<'a> {
         TrainingSet { points, values, noise, is_exact: plan.is_as_published() }
     }
 
-    /// Fits form and lengths to these checkpoints, from those of the surrogate `before`.
+    /// Fits form and lengths to these checkpoints, from those of the model `before`.
     pub fn fitted(
         &self,
         checkpoints: &[usize],
-        before: Option<&Surrogate>,
+        before: Option<&Kriging>,
         (plan, effort): (&Plan, Effort),
     ) -> Result<Chosen, SurrogateError> {
         let (chosen, noise) = self.chosen(checkpoints, plan);
         let training = self.training(&chosen, noise.as_ref(), plan);
-        fit_surrogate(training, plan.settings.forms, before.map(|before| &before.model), effort)
+        fit_surrogate(training, plan.settings.forms, before, effort)
     }
 
     /// The columns of these of some checkpoints.
@@ -115,4 +114,10 @@ impl<'a> ModeResults<'a> {
         let sides = if self.sides.is_some() { 2 } else { 1 };
         (0..sides).flat_map(|side| checkpoints.iter().map(move |n| side * m + n)).collect()
     }
+}
+
+/// The chosen columns of a matrix `(n, m)`.
+pub(super) fn columns(of: &Mat<f64>, chosen: &[usize]) -> Mat<f64> {
+    let of: MatRef<'_, f64> = of.as_ref();
+    Mat::from_fn(of.nrows(), chosen.len(), |i, o| of[(i, chosen[o])])
 }

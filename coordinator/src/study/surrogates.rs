@@ -1,7 +1,7 @@
 //! The surrogate of one limit state: fitted anew, or extended by the latest results; and the surrogates of a campaign between
 //! two rounds, with their cached predictions.
 
-use super::mode_results::ModeResults;
+use super::mode_results::{ModeResults, columns};
 use super::observations::Observations;
 use super::outliers::outliers;
 use super::{CampaignError, Plan};
@@ -10,7 +10,7 @@ use crate::statistics::surrogate::{
     Chosen, CrossValidation, Effort, Kriging, LeaveOneOut, NoiseShape, PredictionCache, ResponseScale,
     SurrogateError, compare_sharing,
 };
-use faer::{Mat, MatRef};
+use faer::Mat;
 use rayon::prelude::*;
 
 /// Most checkpoints used for one mode, and for all modes together.
@@ -57,7 +57,7 @@ pub struct Surrogate {
 impl Surrogate {
     /// Fits and conditions a surrogate of these results, which are values. With [`Effort::Keep`] the surrogate of the round before is
     /// extended by the new results at its lengths; if its factor cannot be extended, it is fitted with [`Effort::Warm`]. With
-    /// [`Effort::MultiStart`] values and logarithms are compared.
+    /// [`Effort::MultiStart`] values and logarithms of a response over several checkpoints are compared.
     ///
     /// # Errors
     /// Those of [`fit_surrogate`] and [`compare_sharing`].
@@ -76,9 +76,10 @@ impl Surrogate {
             return Ok(extended);
         }
         let effort = if effort == Effort::Keep { Effort::Warm } else { effort };
-        let found = standing.fitted(&fitted_on, before, (plan, effort))?;
+        let found = standing.fitted(&fitted_on, before.map(|before| &before.model), (plan, effort))?;
         let values = columns(&results.values, &fitted_on);
-        let is_compared = effort == Effort::MultiStart && !plan.is_as_published();
+        let is_compared =
+            effort == Effort::MultiStart && !plan.is_as_published() && results.values.ncols() > 1;
         let other = results.in_scale(standing.scale.other()).filter(|other| {
             is_compared && (other.scale == ResponseScale::Values || ResponseScale::is_wide(values.as_ref()))
         });
@@ -244,12 +245,6 @@ pub(super) fn fit_surrogates(
             .map_err(|source| CampaignError::Surrogate { mode: s, source })
     };
     modes.par_iter().enumerate().map(fit).collect()
-}
-
-/// The chosen columns of a matrix `(n, m)`.
-pub(super) fn columns(of: &Mat<f64>, chosen: &[usize]) -> Mat<f64> {
-    let of: MatRef<'_, f64> = of.as_ref();
-    Mat::from_fn(of.nrows(), chosen.len(), |i, o| of[(i, chosen[o])])
 }
 
 /// Growth of the number of results after which the lengths are fitted anew: every fit costs a prediction of
