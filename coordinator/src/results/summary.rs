@@ -92,8 +92,8 @@ pub struct StudySummary {
     /// Failure probabilities that no simulation has tested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub untested: Option<UntestedRow>,
-    /// Share of the population in the largest ball around one of its points without a simulation [1], where a region of failures of its own
-    /// would not be seen; absent with direct simulation and in studies by earlier versions.
+    /// Share of the population in the largest ball around one of its points without a simulation [1], where a region of failures apart from
+    /// all others could lie unseen; absent with direct simulation and in studies by earlier versions.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub largest_gap: Option<f64>,
     /// Moments of the outputs, one row per checkpoint.

@@ -4,7 +4,7 @@ use pulp::{Simd, WithSimd, bytemuck};
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
-/// Work on single numbers, or in lanes of its own.
+/// Work on single numbers, or in lanes that it chooses.
 pub trait Vectorised {
     /// Result of the work.
     type Output;
@@ -66,7 +66,7 @@ pub trait Real:
     /// True if the mask is true in any lane.
     fn any(mask: Self::Mask) -> bool;
 
-    /// Does `work` like `self`, in lanes as a function of its own: a step that is inlined whole is one function of a size at which the
+    /// Does `work` in lanes like `self` as a separate function: a step that is inlined whole is one function of a size at which the
     /// compiler takes minutes. One number has no instructions of its own that such a function could be compiled for.
     #[inline(always)]
     fn apart<W: Vectorised>(self, work: W) -> W::Output {

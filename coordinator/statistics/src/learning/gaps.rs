@@ -40,7 +40,7 @@ pub enum Gap {
 }
 
 /// Share of the population [1] in the largest ball around one of its points without any of the standardised points `known` `(d,)` in it,
-/// by its first [`LOOKED_AT`] points: where a region of failures of its own would be seen by no simulation.
+/// by its first 2048 points: a region of failures apart from all others could lie there unseen.
 ///
 /// With n points that were drawn like the population the share of a ball is 1 / (n + 1) in the mean, in any number of variables; the
 /// largest is a few times that.
