@@ -17,7 +17,7 @@ use common::external::{OpenedSimulator, SimulatorError};
 use common::failure::SimulationFailure;
 use common::outputs::{Diagnostics, Evaluation};
 use common::scene::Scene;
-use coordinator::farm::dispatch::{CampaignSpec, Listen, ZenohEvaluator};
+use coordinator::farm::dispatch::{CampaignSpec, ConnectedWorker, Listen, ZenohEvaluator};
 use coordinator::farm::evaluate::external::on_slots;
 use coordinator::farm::evaluate::{EvaluateError, Evaluator, Finished, Request};
 use std::collections::BTreeMap;
@@ -139,12 +139,20 @@ where
         .expect("a session to a loopback endpoint opens")
 }
 
-/// An in-process worker for `coordinator`.
+/// An in-process worker that is connected to `coordinator`.
 pub fn worker<F>(coordinator: &ZenohEvaluator, name: &str, slots: usize, simulate: F) -> WorkerHandle
 where
     F: Fn(&[f64]) -> Result<Evaluation, SimulationFailure> + Send + Sync + 'static,
 {
-    worker_at(&coordinator.endpoints[0], name, slots, simulate)
+    let handle = worker_at(&coordinator.endpoints[0], name, slots, simulate);
+    wait_until_connected(coordinator, name);
+    handle
+}
+
+/// Waits until the worker `name` is connected: one that comes only when the campaign has ended is not told so and looks for the next.
+pub fn wait_until_connected(coordinator: &ZenohEvaluator, name: &str) {
+    let is_here = |workers: &[ConnectedWorker]| workers.iter().any(|worker| worker.name == name);
+    assert!(coordinator.connected.wait_for(PATIENCE, is_here), "{name} connects");
 }
 
 /// Evaluates a batch and returns its outcomes; panics if an evaluation is recorded twice.

@@ -147,12 +147,29 @@ impl GaussianCopula {
     /// Independent normals v = L^-1 u `(d,)` [1] from correlated ones u `(d,)` [1].
     pub fn decorrelate(&self, correlated: &[f64]) -> Vec<f64> {
         let mut v = Vec::with_capacity(self.d);
+        self.decorrelate_into(correlated, &mut v);
+        v
+    }
+
+    fn decorrelate_into(&self, correlated: &[f64], v: &mut Vec<f64>) {
+        v.clear();
         for (i, u) in correlated.iter().enumerate() {
             let row = &self.factor[i * self.d..];
-            let known: f64 = row.iter().zip(&v).map(|(l, v): (&f64, &f64)| l * v).sum();
+            let known: f64 = row.iter().zip(&*v).map(|(l, v): (&f64, &f64)| l * v).sum();
             v.push((u - known) / row[i]);
         }
-        v
+    }
+
+    /// ln c(u) = (u'u - v'v) / 2 - ln |L| [1] of every row of normals u `(n, d)` row-major [1], with v = L^-1 u.
+    pub fn log_densities(&self, u: &[f64]) -> Vec<f64> {
+        let log_determinant: f64 = (0..self.d).map(|k| self.factor[k * self.d + k].ln()).sum();
+        let square = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
+        let mut v = Vec::with_capacity(self.d);
+        let of_row = |u: &[f64]| {
+            self.decorrelate_into(u, &mut v);
+            0.5 * (square(u) - square(&v)) - log_determinant
+        };
+        u.chunks_exact(self.d).map(of_row).collect()
     }
 
     /// Derivative d ln c / du_k = -((R^-1 - I) u)_k [1]; `u` returns a normal by its index and is called only for variables
@@ -193,11 +210,7 @@ mod tests {
     fn the_score_is_the_derivative_of_the_log_density() {
         let pairs = [correlation(0, 1, 0.5), correlation(1, 3, -0.7), correlation(0, 3, 0.1)];
         let copula = GaussianCopula::new(4, &pairs).unwrap();
-        // ln c + constant = (u' u - v' v) / 2.
-        let log = |u: &[f64]| {
-            let square = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
-            0.5 * (square(u) - square(&copula.decorrelate(u)))
-        };
+        let log = |u: &[f64]| copula.log_densities(u)[0];
         let u = [0.4, -1.2, 2.0, 0.9];
         for k in 0..4 {
             let h = 1e-5;

@@ -54,8 +54,8 @@ impl LifeComparison {
         let Course::Wear { laws, .. } = &problem.course else {
             return vec![];
         };
-        let largest: Vec<f64> = checkpoints.iter().map(|c| c.interval().1.min(1.0)).collect();
-        let least: Vec<f64> = checkpoints.iter().map(|c| c.interval().0).collect();
+        let largest: Vec<f64> = checkpoints.iter().map(|c| c.interval.1).collect();
+        let least: Vec<f64> = checkpoints.iter().map(|c| c.interval.0).collect();
         let (first, last) = (truth.pf[0], truth.pf[truth.pf.len() - 1]);
         let at = |level: f64| {
             let failed = 1.0 - level;
@@ -113,6 +113,7 @@ mod tests {
                 pf: known.pf[n],
                 // For the interpolation between checkpoints.
                 standard_error: 2e-2 * known.pf[n],
+                interval: (0.96 * known.pf[n], 1.04 * known.pf[n]),
                 truth: known.pf[n],
                 truth_error: 0.0,
             };

@@ -68,7 +68,13 @@ mod tests {
 
     #[test]
     fn checkpoints_and_lives_count_once_each() {
-        let at = |pf: f64, truth: f64| Comparison { pf, standard_error: 1e-3, truth, truth_error: 0.0 };
+        let at = |pf: f64, truth: f64| Comparison {
+            pf,
+            standard_error: 1e-3,
+            interval: (pf, pf),
+            truth,
+            truth_error: 0.0,
+        };
         let life = |level: f64, truth: f64| LifeComparison { level, truth, lower: 2.0, upper: 3.0 };
         let run = |calls, checkpoints, lives| Run {
             index: 1,

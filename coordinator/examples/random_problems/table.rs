@@ -27,9 +27,10 @@ fn stop_name(stop: Option<StopReason>) -> &'static str {
 pub fn line(run: &Run) -> String {
     let (d, modes) = run.shape;
     let (truth, truth_error) = run.truth;
-    let nothing = Comparison { pf: f64::NAN, standard_error: f64::NAN, truth, truth_error };
+    let (pf, standard_error) = (f64::NAN, f64::NAN);
+    let nothing = Comparison { pf, standard_error, interval: (pf, pf), truth, truth_error };
     let last = run.checkpoints.last().copied().unwrap_or(nothing);
-    let (lower, upper) = last.interval();
+    let (lower, upper) = last.interval;
     format!(
         "{},{},{d},{modes},{:.4e},{:.1e},{:.4e},{:.4e},{:.4e},{:.2e},{:.2},{:.2e},{:.4e},{},{},{},{:.1},{:.4}",
         run.index,
@@ -162,7 +163,13 @@ mod tests {
 
     #[test]
     fn a_row_weighs_runs_alike_and_counts_the_far_ones() {
-        let at = |pf: f64| Comparison { pf, standard_error: 1e-3, truth: 0.01, truth_error: 0.0 };
+        let at = |pf: f64| Comparison {
+            pf,
+            standard_error: 1e-3,
+            interval: (pf, pf),
+            truth: 0.01,
+            truth_error: 0.0,
+        };
         let run = |checkpoints| Run {
             index: 1,
             class: Class::Kink,

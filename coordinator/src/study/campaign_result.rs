@@ -6,6 +6,7 @@ use super::{
     Assessment, Campaign, CampaignError, ClassifiedPopulation, Failed, Method, Observations, ObservedOutcome,
     Outlier, SampleRequest, Step, StopReason,
 };
+use crate::results::reliability_summary::ReliabilityRange;
 use crate::results::summary::Round;
 use crate::statistics::learning::largest_gap;
 use crate::statistics::reliability::CurvePoint;
@@ -42,6 +43,11 @@ impl CampaignResult {
     /// R(n) with its standard error, as a study states it, per curve `(limit states + 1)(m,)`, the system last.
     pub fn reliability(&self) -> Vec<Vec<CurvePoint>> {
         self.shares.curves()
+    }
+
+    /// 95 % interval of R(n) of the system as a study states it, besides the numerical error `(m,)`.
+    pub fn intervals(&self) -> Vec<ReliabilityRange> {
+        self.shares.intervals_of_system()
     }
 
     /// Share of the population in the largest ball without a simulation [1], see [`largest_gap`].

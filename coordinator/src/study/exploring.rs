@@ -1,6 +1,6 @@
 //! The exploring points of a campaign: in turn in a gap near a limit, in a gap of the bulk, and where the predicted variance is
-//! largest; where failures are rare those of the rim that are farthest from all results. See
-//! [`crate::statistics::learning::widest_gap`] and [`crate::statistics::learning::explore`].
+//! largest; where failures are rare, in turn the point of the rim that is farthest from all results, and a gap of the bulk, since what
+//! seems rare may lie there unseen. See [`crate::statistics::learning::widest_gap`] and [`crate::statistics::learning::explore`].
 
 use super::campaign::Campaign;
 use super::requests::PendingSample;
@@ -8,8 +8,21 @@ use crate::statistics::design::{Stream, open_stream};
 use crate::statistics::learning::{Gap, draw_rim};
 use std::ops::Range;
 
-/// Places that exploring takes in turn; `None` is the largest predicted variance.
-const TURNS: [Option<Gap>; 4] = [Some(Gap::Limit), Some(Gap::Bulk), None, Some(Gap::Bulk)];
+/// A place to explore.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Place {
+    Gap(Gap),
+    /// The largest predicted variance.
+    Variance,
+    /// The rim of the population, where rare failures lie.
+    Rim,
+}
+
+/// Places that exploring takes in turn.
+const TURNS: [Place; 4] =
+    [Place::Gap(Gap::Limit), Place::Gap(Gap::Bulk), Place::Variance, Place::Gap(Gap::Bulk)];
+/// The same where failures are rare.
+const RARE: [Place; 2] = [Place::Rim, Place::Gap(Gap::Bulk)];
 
 impl Campaign {
     /// The exploring points with these numbers since a rule was met: of the population, or of the rim where failures are rare.
@@ -20,42 +33,50 @@ impl Campaign {
         let round = u32::try_from(self.rounds.len()).unwrap_or(u32::MAX);
         let assessment = self.assessment.as_mut().expect("all outcomes have been assessed");
         let Self { classified, requests, data, problem, plan, .. } = self;
-        let failed = assessment.governing_failed();
+        let (inputs, failed) = (&problem.inputs, assessment.governing_failed());
         let barred = assessment.feasibility.barred_share(classified.unconditional());
-        if !classified.is_rare(plan, failed, barred) {
-            let mut rng = open_stream(plan.settings.seed, Stream::Gaps(round));
-            let mut chosen: Vec<PendingSample> = Vec::new();
-            for number in numbers {
-                let own = chosen.iter().map(|pending| pending.z.as_slice());
-                let pending: Vec<Vec<f64>> =
-                    requests.points_under_way().chain(own).map(<[f64]>::to_vec).collect();
-                let (population, requested) = (&classified.population, &requests.requested);
-                let place = TURNS[number % TURNS.len()];
-                let found = match place {
-                    Some(place) => {
-                        let known = data.explored_with_factors().into_iter();
-                        let known = known.chain(pending.iter().map(|z| (z.as_slice(), 1.0)));
-                        assessment.fill_gap(population, requested, known, place, &mut rng)
-                    }
-                    None => {
-                        let mut known = data.explored();
-                        known.extend(pending);
-                        assessment.explore(population, requested, &known)
-                    }
-                };
-                let Some(j) = found else { continue };
-                // A result near a limit may well lie on its other side, and is no test: it joins the surrogates.
-                let exploring = place != Some(Gap::Limit);
-                chosen.push(PendingSample { exploring, ..requests.take(classified, j) });
-            }
-            return chosen;
-        }
+        let is_rare = classified.is_rare(plan, failed, barred);
         let pf = classified.condition.probability * failed.max(1.0 / classified.population.len() as f64);
-        let rim = draw_rim(&problem.inputs, pf, &mut open_stream(plan.settings.seed, Stream::Rim(round)));
-        let under_way = requests.points_under_way().map(|z| (z, 1.0));
-        let known = data.explored_with_factors().into_iter().chain(under_way);
-        let pending =
-            |z: Vec<f64>| PendingSample { exploring: true, ..PendingSample::at(z, &problem.inputs) };
-        assessment.explore_rim(rim, known, numbers.len()).into_iter().map(pending).collect()
+        let rim =
+            is_rare.then(|| draw_rim(inputs, pf, &mut open_stream(plan.settings.seed, Stream::Rim(round))));
+        let mut rng = open_stream(plan.settings.seed, Stream::Gaps(round));
+        let beyond = |z: Vec<f64>| PendingSample { exploring: true, ..PendingSample::at(z, inputs) };
+        let mut chosen: Vec<PendingSample> = Vec::new();
+        for number in numbers {
+            let own = chosen.iter().map(|pending| pending.z.as_slice());
+            let pending: Vec<Vec<f64>> =
+                requests.points_under_way().chain(own).map(<[f64]>::to_vec).collect();
+            let known = data.explored_with_factors().into_iter();
+            let known = known.chain(pending.iter().map(|z| (z.as_slice(), 1.0)));
+            let place = if is_rare { RARE[number % RARE.len()] } else { TURNS[number % TURNS.len()] };
+            let (population, requested) = (&classified.population, &requests.requested);
+            let member = match place {
+                Place::Variance => {
+                    let explored =
+                        data.explored().into_iter().chain(pending.iter().cloned()).collect::<Vec<_>>();
+                    assessment.explore(population, requested, &explored)
+                }
+                Place::Gap(gap) if !classified.is_conditional() => {
+                    assessment.fill_gap(population, Some(requested), known, gap, &mut rng)
+                }
+                Place::Gap(gap) => {
+                    // The bulk is that of all points, not of those near the limit.
+                    let all = classified.unconditional();
+                    let found = assessment.fill_gap(all, None, known, gap, &mut rng);
+                    chosen.extend(found.map(|j| beyond(all.standardised(j).to_vec())));
+                    continue;
+                }
+                Place::Rim => {
+                    let found = assessment.explore_rim(rim.as_deref().unwrap_or_default(), known);
+                    chosen.extend(found.map(beyond));
+                    continue;
+                }
+            };
+            let Some(j) = member else { continue };
+            // A result near a limit may well lie on its other side, and is no test: it joins the surrogates.
+            let exploring = place != Place::Gap(Gap::Limit);
+            chosen.push(PendingSample { exploring, ..requests.take(classified, j) });
+        }
+        chosen
     }
 }

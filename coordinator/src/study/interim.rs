@@ -85,6 +85,12 @@ impl InterimResult {
         cycles.iter().enumerate().map(row).collect()
     }
 
+    /// 95 % interval of R of the system at the checkpoints `(m,)`, without the numerical error.
+    pub fn intervals_of_system(&self) -> Vec<ReliabilityRange> {
+        let (curves, system) = (self.curves(), self.failed.len() - 1);
+        (0..self.failed[system].len()).map(|n| self.interval(system, n, &curves)).collect()
+    }
+
     /// Parts of the standard error of R at checkpoint `n` of curve `c`, whose point is `point`.
     fn parts(&self, c: usize, n: usize, point: &CurvePoint) -> ErrorParts {
         let of_share = self.surrogate.get(c).map_or(0.0, |errors| surrogate_error_at(n, errors));

@@ -89,38 +89,42 @@ impl Assessment {
         Some(chosen)
     }
 
-    /// Returns the point of the population in the widest gap at `place`, as an index, and removes it from the selection. `known`
-    /// are all simulated points `(d,)` with factors on squared distances [1].
+    /// Returns the point of a population in the widest gap at `place`, as an index. `requested` `(N,)` marks the points of the one
+    /// that is classified, from whose selection it is removed; `None` for another one. `known` are all simulated points `(d,)` with
+    /// factors on squared distances [1].
     pub(super) fn fill_gap<'a>(
         &mut self,
         population: &Population,
-        requested: &[bool],
+        requested: Option<&[bool]>,
         known: impl Iterator<Item = (&'a [f64], f64)>,
         place: Gap,
         rng: &mut impl Rng,
     ) -> Option<usize> {
-        let sample = sample_of_open(population, &closed(requested, &self.settled), rng);
+        let none = || Cow::Owned(vec![false; population.len()]);
+        let closed = requested.map_or_else(none, |requested| closed(requested, &self.settled));
+        let sample = sample_of_open(population, &closed, rng);
         let points =
             Mat::from_fn(population.dimension(), sample.len(), |k, i| population.standardised(sample[i])[k]);
         let feasible = self.feasibility.open_probability(points.as_ref());
         let limits = (&self.modes[..], nearest(&self.grid, self.governing));
         let chosen = widest_gap(population, (&sample, &feasible), known, place, limits)?;
-        self.selection.believe_point(chosen);
+        if requested.is_some() {
+            self.selection.believe_point(chosen);
+        }
         Some(chosen)
     }
 
-    /// Returns `count` of the standardised points `rim` `(c)(d,)` farthest from the points `known` `(d,)`, which have
-    /// factors on squared distances [1].
+    /// The one of the standardised points `rim` `(c)(d,)` farthest from the points `known` `(d,)`, which have factors on squared
+    /// distances [1].
     pub(super) fn explore_rim<'a>(
         &self,
-        mut rim: Vec<Vec<f64>>,
+        rim: &[Vec<f64>],
         known: impl Iterator<Item = (&'a [f64], f64)>,
-        count: usize,
-    ) -> Vec<Vec<f64>> {
+    ) -> Option<Vec<f64>> {
         let points: Vec<&[f64]> = rim.iter().map(Vec::as_slice).collect();
         let columns = Mat::from_fn(points.first().map_or(0, |z| z.len()), points.len(), |k, i| points[i][k]);
-        let chosen = farthest(&points, known, &self.feasibility.open_probability(columns.as_ref()), count);
-        chosen.into_iter().map(|place| std::mem::take(&mut rim[place])).collect()
+        let chosen = farthest(&points, known, &self.feasibility.open_probability(columns.as_ref()), 1);
+        chosen.first().map(|place| rim[*place].clone())
     }
 
     /// The row of this round in the summary, for a population of `population` points under a condition of

@@ -5,7 +5,7 @@ use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 use coordinator::analyses::tradeoff::{TradeoffPlan, settings};
 use std::sync::Arc;
-use tests::{coordinator, in_time, practice_result, requests};
+use tests::{coordinator, in_time, practice_result, requests, wait_until_connected};
 use worker::service::{self, Job, ServiceConfig, Simulator};
 
 /// States the accuracy of its job in its outcome.
@@ -27,6 +27,7 @@ fn every_task_of_a_measurement_has_its_own_accuracy() {
             let config = ServiceConfig { name: name.into(), ..ServiceConfig::new(&farm.endpoints[0], 2) };
             service::spawn(config, Arc::new(Echo)).expect("a session to a loopback endpoint opens")
         });
+        ["a", "b"].iter().for_each(|name| wait_until_connected(&farm, name));
         let points = requests(0..3).into_iter().map(|request| request.sample).collect();
         let plan = TradeoffPlan {
             reference: "reference".parse().expect("a preset"),

@@ -25,7 +25,7 @@ use super::parameters::ParameterSpace;
 use super::particles::Predictions;
 use super::sequential::UnitModel;
 use crate::design::InputModel;
-use common::random::Distribution;
+use common::random::{Distribution, GaussianCopula};
 use rayon::prelude::*;
 
 /// Weighted points of units.
@@ -59,8 +59,9 @@ impl Fleet {
     pub fn log_likelihoods(&self, v: &[f64]) -> Vec<f64> {
         let mut all = vec![f64::NEG_INFINITY; self.units];
         let Some(laws) = self.space.laws(v) else { return all };
+        let ratios = self.reweighting.ratios(&laws);
         for set in &self.sets {
-            let r = self.reweighting.weights(&laws, &set.points);
+            let r = ratios.weights(&set.points);
             let mean = if set.is_population { r.iter().sum::<f64>() / r.len() as f64 } else { 1.0 };
             for (unit, weights) in set.units.iter().zip(&set.weights) {
                 let sum: f64 = weights.iter().zip(&r).map(|(w, r)| w * r).sum();
@@ -118,40 +119,49 @@ impl Reweighting {
 
     /// Weights r of the points under the K distributions of `laws` with their dependence, not normalised `(n,)`.
     pub fn weights(&self, laws: &InputModel, points: &[f64]) -> Vec<f64> {
+        self.ratios(laws).weights(points)
+    }
+
+    /// The K distributions of `laws` over those of the points, tabulated once for any points.
+    fn ratios<'a>(&self, laws: &'a InputModel) -> DensityRatios<'a> {
         let tables = |of: &dyn Fn(&Distribution, &(f64, f64)) -> f64| -> Vec<Vec<f64>> {
             let table =
                 |(law, nodes): (_, &Vec<(f64, f64)>)| nodes.iter().map(|node| of(law, node)).collect();
             laws.variables().iter().zip(&self.nodes).map(table).collect()
         };
         let ratios = tables(&|law, (x, q)| if *q > 0.0 { law.pdf(*x) / q } else { 0.0 });
+        let normal =
+            |law: &Distribution, (x, _): &(f64, f64)| law.to_standard_normal(*x).clamp(-FARTHEST, FARTHEST);
+        let copula = (!laws.copula.is_independent()).then(|| (&laws.copula, tables(&normal)));
+        DensityRatios { ratios, copula }
+    }
+}
+
+/// f / q of every changed variable at the nodes `(K)(NODES,)` [1], and where the copula is not 1 that with the u there.
+struct DensityRatios<'a> {
+    ratios: Vec<Vec<f64>>,
+    copula: Option<(&'a GaussianCopula, Vec<Vec<f64>>)>,
+}
+
+impl DensityRatios<'_> {
+    fn weights(&self, points: &[f64]) -> Vec<f64> {
         let value = |(place, table): (&f64, &Vec<f64>)| {
             let (node, share) = (*place as usize, place.fract());
             table[node] + share * (table[node + 1] - table[node])
         };
-        let product = |places: &[f64]| places.iter().zip(&ratios).map(value).product();
-        let rows = points.chunks_exact(self.indices.len());
-        if laws.copula.is_independent() {
-            return rows.map(product).collect();
-        }
-        // c = |L|^-1 exp((u'u - v'v) / 2) with u = L v.
-        let normals = tables(&|law, (x, _)| law.to_standard_normal(*x).clamp(-FARTHEST, FARTHEST));
-        let d = laws.dimension();
-        let axis = |k: usize| (0..d).map(|i| f64::from(u8::from(i == k))).collect::<Vec<f64>>();
-        let log_determinant: f64 = (0..d).map(|k| laws.copula.correlate(&axis(k))[k].ln()).sum();
-        let square = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
-        let weight = |places: &[f64]| {
-            let u: Vec<f64> = places.iter().zip(&normals).map(value).collect();
-            let exponent = 0.5 * (square(&u) - square(&laws.copula.decorrelate(&u)));
-            product(places) * (exponent - log_determinant).exp()
-        };
-        rows.map(weight).collect()
+        let rows = points.chunks_exact(self.ratios.len());
+        let product = |places: &[f64]| places.iter().zip(&self.ratios).map(value).product();
+        let products = rows.clone().map(product);
+        let Some((copula, normals)) = &self.copula else { return products.collect() };
+        let u: Vec<f64> = rows.flat_map(|places| places.iter().zip(normals).map(value)).collect();
+        products.zip(copula.log_densities(&u)).map(|(product, log): (f64, f64)| product * log.exp()).collect()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use common::random::{Correlation, GaussianCopula};
+    use common::random::Correlation;
 
     /// Points with standard normal variables under a bivariate normal: the ratio of both densities.
     #[test]
