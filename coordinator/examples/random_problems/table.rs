@@ -166,7 +166,7 @@ mod tests {
         let at = |pf: f64| Comparison {
             pf,
             standard_error: 1e-3,
-            interval: (pf, pf),
+            interval: (pf - 1.96e-3, pf + 1.96e-3),
             truth: 0.01,
             truth_error: 0.0,
         };

@@ -243,7 +243,11 @@ impl Campaign {
             } else {
                 let barred = assessment.feasibility.barred_share(classified.unconditional());
                 let rare = classified.is_rare(plan, failed, barred);
-                let points = plan.targets.points_to_hold(self.problem.inputs.dimension(), rare);
+                let points = if rare && !classified.is_conditional() {
+                    plan.targets.points_before_condition()
+                } else {
+                    plan.targets.points_to_hold(self.problem.inputs.dimension(), rare)
+                };
                 let needed = (plan.targets.hold, points);
                 let held = self.stopping.record_round(met, self.data.results(), needed);
                 let ends = held && self.requests.under_way() == 0;

@@ -1,5 +1,5 @@
 //! The exploring points of a campaign: in turn in a gap near a limit, in a gap of the bulk, and where the predicted variance is
-//! largest; where failures are rare, in turn the point of the rim that is farthest from all results, and a gap of the bulk, since what
+//! largest; where failures are rare, in turn the point of the rim that is farthest from all results, and two gaps of the bulk, since what
 //! seems rare may lie there unseen. See [`crate::statistics::learning::widest_gap`] and [`crate::statistics::learning::explore`].
 
 use super::campaign::Campaign;
@@ -8,9 +8,9 @@ use crate::statistics::design::{Stream, open_stream};
 use crate::statistics::learning::{Gap, draw_rim};
 use std::ops::Range;
 
-/// A place to explore.
+/// A place that an exploring point fills.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Place {
+enum ExploredPlace {
     Gap(Gap),
     /// The largest predicted variance.
     Variance,
@@ -19,10 +19,15 @@ enum Place {
 }
 
 /// Places that exploring takes in turn.
-const TURNS: [Place; 4] =
-    [Place::Gap(Gap::Limit), Place::Gap(Gap::Bulk), Place::Variance, Place::Gap(Gap::Bulk)];
-/// The same where failures are rare.
-const RARE: [Place; 2] = [Place::Rim, Place::Gap(Gap::Bulk)];
+const TURNS: [ExploredPlace; 4] = [
+    ExploredPlace::Gap(Gap::Limit),
+    ExploredPlace::Gap(Gap::Bulk),
+    ExploredPlace::Variance,
+    ExploredPlace::Gap(Gap::Bulk),
+];
+/// Places that it takes in turn where failures are rare.
+const RARE: [ExploredPlace; 3] =
+    [ExploredPlace::Gap(Gap::Bulk), ExploredPlace::Rim, ExploredPlace::Gap(Gap::Bulk)];
 
 impl Campaign {
     /// The exploring points with these numbers since a rule was met: of the population, or of the rim where failures are rare.
@@ -51,22 +56,22 @@ impl Campaign {
             let place = if is_rare { RARE[number % RARE.len()] } else { TURNS[number % TURNS.len()] };
             let (population, requested) = (&classified.population, &requests.requested);
             let member = match place {
-                Place::Variance => {
+                ExploredPlace::Variance => {
                     let explored =
                         data.explored().into_iter().chain(pending.iter().cloned()).collect::<Vec<_>>();
                     assessment.explore(population, requested, &explored)
                 }
-                Place::Gap(gap) if !classified.is_conditional() => {
+                ExploredPlace::Gap(gap) if !classified.is_conditional() => {
                     assessment.fill_gap(population, Some(requested), known, gap, &mut rng)
                 }
-                Place::Gap(gap) => {
+                ExploredPlace::Gap(gap) => {
                     // The bulk is that of all points, not of those near the limit.
                     let all = classified.unconditional();
                     let found = assessment.fill_gap(all, None, known, gap, &mut rng);
                     chosen.extend(found.map(|j| beyond(all.standardised(j).to_vec())));
                     continue;
                 }
-                Place::Rim => {
+                ExploredPlace::Rim => {
                     let found = assessment.explore_rim(rim.as_deref().unwrap_or_default(), known);
                     chosen.extend(found.map(beyond));
                     continue;
@@ -74,7 +79,7 @@ impl Campaign {
             };
             let Some(j) = member else { continue };
             // A result near a limit may well lie on its other side, and is no test: it joins the surrogates.
-            let exploring = place != Place::Gap(Gap::Limit);
+            let exploring = place != ExploredPlace::Gap(Gap::Limit);
             chosen.push(PendingSample { exploring, ..requests.take(classified, j) });
         }
         chosen

@@ -96,6 +96,20 @@ fn issue_a_region_in_the_bulk_was_not_seen() {
 }
 
 #[test]
+fn issue_a_rare_failure_was_looked_for_at_the_rim_alone() {
+    // A limit at six standard deviations: what fails in the bulk would be a hundred thousand times as probable.
+    let normal = Distribution::normal(0.0, 1.0).unwrap();
+    let inputs = InputModel::from(&vec![normal; 2]);
+    let response = |x: &[f64]| vec![vec![(x[0] + x[1]) / 2.0_f64.sqrt() / 6.0]];
+    let learned = learn(inputs, 1, vec![1], settings(2, 1), response);
+    let known = learned.observations.standardised().chain(learned.explored.iter().map(Vec::as_slice));
+    let near = known.filter(|z| z.iter().map(|z| z * z).sum::<f64>() < 6.0).count();
+    let (initial, gap) = (settings(2, 1).initial, learned.largest_gap());
+    assert!(near >= initial + 15 && gap < 0.15, "{near} of {} calls, {gap}", learned.evaluations);
+    assert!(learned.classified.is_conditional() && learned.evaluations <= 150, "{}", learned.evaluations);
+}
+
+#[test]
 fn the_published_method_has_a_design_of_its_own_for_each_limit_state() {
     // Two competing linear growths; a population that grows by the published rule.
     let checkpoints: Vec<u32> = (1..=6).map(|k| 1000 * k).collect();

@@ -13,8 +13,8 @@
 //! Guards: at least 30 results; the rule is met with a fit from several starts to at least nine tenths of the
 //! results; and it holds in every round until two rounds have passed and enough new results have been received:
 //! eight and two for every variable, 24 at most, 16 of more than twelve variables, whose gaps no number of points fills;
-//! where failures are rare eight and four for every variable, forty at most. Half as many suffice where the population
-//! only grew. Three of four explore ([`super::explore`], [`super::widest_gap`], [`super::farthest`]), and none of
+//! where failures are rare eight and four for every variable, forty at most, and forty before the population becomes one near the
+//! limit. Half as many suffice where the population only grew. Three of four explore ([`super::explore`], [`super::widest_gap`], [`super::farthest`]), and none of
 //! these may contradict its prediction. A stop without any predicted failure is stated by the report.
 //!
 //! # Source
@@ -137,6 +137,12 @@ impl StoppingTargets {
         let least = self.hold_points;
         let by_dimension = if d > MOST_FILLED { 2 * least } else { (least + 2 * d).min(3 * least) };
         if rare { by_dimension.max(least + 4 * d).min(5 * least) } else { by_dimension }
+    }
+
+    /// Number of new results over which a rule must hold before the population is replaced by one near the limit: until then what seems
+    /// rare may be a region in a gap of the bulk.
+    pub fn points_before_condition(&self) -> usize {
+        5 * self.hold_points
     }
 
     /// The first rule that these figures meet, if any.
@@ -270,6 +276,7 @@ mod tests {
         let needed = [1, 4, 6, 15, 100].map(|d| targets.points_to_hold(d, false));
         assert_eq!(needed, [10, 16, 20, 16, 16]);
         assert_eq!([1, 2, 6, 15, 100].map(|d| targets.points_to_hold(d, true)), [12, 16, 32, 40, 40]);
+        assert_eq!(targets.points_before_condition(), 40);
         assert_eq!(StoppingTargets { hold_points: 0, ..targets }.points_to_hold(9, true), 0);
     }
 
