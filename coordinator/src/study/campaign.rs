@@ -143,8 +143,7 @@ impl Campaign {
                     self.requests.retries.push_back((PendingSample { stricter: true, ..pending }, cause));
                 }
                 Err(cause) => {
-                    let beyond = pending.exploring && pending.member.is_none();
-                    self.data.add_failed(pending.z, cause, learning, beyond);
+                    self.data.add_failed(pending.z, cause, learning, pending.beyond);
                 }
             }
         }

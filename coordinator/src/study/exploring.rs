@@ -30,7 +30,7 @@ const RARE: [ExploredPlace; 3] =
     [ExploredPlace::Gap(Gap::Bulk), ExploredPlace::Rim, ExploredPlace::Gap(Gap::Bulk)];
 
 impl Campaign {
-    /// The exploring points with these numbers since a rule was met: of the population, or of the rim where failures are rare.
+    /// The exploring points with these numbers since a rule was met: of the population, where failures are rare of its bulk and rim.
     pub(super) fn explore(&mut self, numbers: Range<usize>) -> Vec<PendingSample> {
         if numbers.is_empty() {
             return vec![];
@@ -45,7 +45,7 @@ impl Campaign {
         let rim =
             is_rare.then(|| draw_rim(inputs, pf, &mut open_stream(plan.settings.seed, Stream::Rim(round))));
         let mut rng = open_stream(plan.settings.seed, Stream::Gaps(round));
-        let beyond = |z: Vec<f64>| PendingSample { exploring: true, ..PendingSample::at(z, inputs) };
+        let at = |z: Vec<f64>| PendingSample { exploring: true, ..PendingSample::at(z, inputs) };
         let mut chosen: Vec<PendingSample> = Vec::new();
         for number in numbers {
             let own = chosen.iter().map(|pending| pending.z.as_slice());
@@ -68,12 +68,12 @@ impl Campaign {
                     // The bulk is that of all points, not of those near the limit.
                     let all = classified.unconditional();
                     let found = assessment.fill_gap(all, None, known, gap, &mut rng);
-                    chosen.extend(found.map(|j| beyond(all.standardised(j).to_vec())));
+                    chosen.extend(found.map(|j| at(all.standardised(j).to_vec())));
                     continue;
                 }
                 ExploredPlace::Rim => {
                     let found = assessment.explore_rim(rim.as_deref().unwrap_or_default(), known);
-                    chosen.extend(found.map(beyond));
+                    chosen.extend(found.map(|z| PendingSample { beyond: true, ..at(z) }));
                     continue;
                 }
             };

@@ -13,13 +13,16 @@ pub(super) struct PendingSample {
     pub z: Vec<f64>,
     /// The point in the variables' own units `(d,)` [SI].
     pub sample: Vec<f64>,
-    /// Index in the population; the nominal point, the initial design and points of the rim have none.
+    /// Index in the population that is classified; the nominal point, the initial design and points of no population or of another one
+    /// have none.
     pub member: Option<usize>,
     /// True for the repetition of a failed simulation.
     pub stricter: bool,
     /// True if the point explores, see [`crate::statistics::learning::explore`] and
     /// [`crate::statistics::learning::farthest`].
     pub exploring: bool,
+    /// True on the rim, beyond the population, where the simulator may not reach.
+    pub beyond: bool,
     /// Limit state whose design alone it joins; `None` if it joins all.
     pub mode: Option<usize>,
     /// Workers that have evaluated the sample, one for each time; empty for a first evaluation.

@@ -13,9 +13,9 @@
 //! Guards: at least 30 results; the rule is met with a fit from several starts to at least nine tenths of the
 //! results; and it holds in every round until two rounds have passed and enough new results have been received:
 //! eight and two for every variable, 24 at most, 16 of more than twelve variables, whose gaps no number of points fills;
-//! where failures are rare eight and four for every variable, forty at most, and forty before the population becomes one near the
-//! limit. Half as many suffice where the population only grew. Three of four explore ([`super::explore`], [`super::widest_gap`], [`super::farthest`]), and none of
-//! these may contradict its prediction. A stop without any predicted failure is stated by the report.
+//! where failures are rare eight and four for every variable, forty at most, and forty before the population becomes
+//! one near the limit. Half as many suffice where the population only grew. Three of four explore
+//! ([`super::explore`], [`super::widest_gap`], [`super::farthest`]), and none of these may contradict its prediction. A stop without any predicted failure is stated by the report.
 //!
 //! # Source
 //! Rule (a): Echard, Gayton, Lemaire (2011), AK-MCS, Structural Safety 33(2); the change between rounds is this project's own.
