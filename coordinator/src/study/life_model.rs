@@ -214,9 +214,9 @@ impl LifeModel {
         for j in 0..b {
             for (s, (history, threshold)) in self.modes.iter().enumerate() {
                 let in_sigma = std(s, j) * deviations[j * width + s];
-                values.clear();
-                values.extend(history.values(predictions[s].mean.col_as_slice(j), in_sigma));
-                lives.push(self.life(history, *threshold, &values));
+                let means = predictions[s].mean.col_as_slice(j);
+                let reached = history.reached(means, in_sigma, *threshold, &mut values);
+                lives.push(reached.map_or(f64::INFINITY, |k| self.life(history, *threshold, &values, k)));
             }
         }
         let history = |output: &usize| {
@@ -234,12 +234,11 @@ impl LifeModel {
         LifeResponses { lives, histories: wanted.iter().map(history).collect() }
     }
 
-    /// Life of a running maximum by its limit state [cycles].
-    fn life(&self, history: &PredictedHistory, threshold: f64, values: &[f64]) -> f64 {
-        let track = history.track(&self.times, values);
-        let Some(k) = track.values.iter().position(|y| *y >= threshold) else { return f64::INFINITY };
+    /// Life of a running maximum that reaches its threshold by checkpoint `k` [cycles].
+    fn life(&self, history: &PredictedHistory, threshold: f64, values: &[f64], k: usize) -> f64 {
         let before = if k == 0 { 0.0 } else { self.times[k - 1] };
-        before + track.crossing(k, threshold).best * (self.times[k] - before)
+        let share = history.track(&self.times, values).crossing(k, threshold).best;
+        before + share * (self.times[k] - before)
     }
 
     /// Value of `output` of point `j` at a life between [`LifeModel::beginning`] and [`LifeModel::end`], from its histories

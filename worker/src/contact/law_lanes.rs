@@ -99,6 +99,12 @@ impl<R: Real> LawLanes<R> {
         }
     }
 
+    /// True for an elastic foundation.
+    #[inline(always)]
+    pub(crate) fn is_foundation(&self) -> bool {
+        !matches!(self, LawLanes::LocalHertz(..))
+    }
+
     /// Replaces the damping factor [s/m] in every lane.
     pub(crate) fn set_damping(&mut self, damping: R) {
         self.surface_mut().damping = damping;

@@ -145,6 +145,12 @@ impl<R: Real> Elimination<R> {
     /// Fills phi, Q and R. Returns one, zero in lanes where the constraints are dependent.
     #[inline(always)]
     pub(super) fn factor(&mut self, at: Placed<R>) -> R {
+        self.factors.apart.apart((self, at))
+    }
+
+    /// What [`Self::factor`] does.
+    #[inline(always)]
+    pub(super) fn factor_rows(&mut self, at: Placed<R>) -> R {
         self.factors.clear();
         for joint in 0..self.constraints.len() {
             let (first, c) = (self.first[joint], self.constraints[joint]);
@@ -170,6 +176,12 @@ impl<R: Real> Elimination<R> {
     /// Returns one, else zero: where the constraints are independent, and where reactions and friction balance each other.
     #[inline(always)]
     pub(crate) fn add_reactions(&mut self, at: Placed<R>, f: &mut [R]) -> [R; 2] {
+        self.factors.apart.apart((self, at, f))
+    }
+
+    /// What [`Self::add_reactions`] does.
+    #[inline(always)]
+    pub(super) fn balance(&mut self, at: Placed<R>, f: &mut [R]) -> [R; 2] {
         let independent = self.factor(at);
         let zero = independent.zero();
         for joint in 0..self.constraints.len() {
@@ -216,10 +228,11 @@ impl<R: Real> Elimination<R> {
             friction.add_derivatives(at, constraints, factors, to);
         }
         // The accelerations are those with reactions, the same for both.
-        self.constraint_derivatives(at, &to.f, false);
-        self.reduce::<false>(at, &mut to.k, n);
-        self.constraint_derivatives(at, &to.f, true);
-        self.reduce::<false>(at, &mut to.d, n);
+        let like = self.factors.apart;
+        for (rates, slopes) in [(false, &mut to.k), (true, &mut to.d)] {
+            like.apart((&mut *self, at, to.f.as_slice(), rates));
+            like.apart((&mut *self, at, slopes.as_mut_slice(), n));
+        }
         self.time_derivative(at, &to.f);
         self.reduce::<true>(at, &mut to.ft, 1);
     }
@@ -227,7 +240,7 @@ impl<R: Real> Elimination<R> {
     /// Turns the derivatives `x` `(n, columns)` of the applied force and those of G a + h, which are c or with `TIME` phi, into those of the
     /// force with reactions and friction.
     #[inline(always)]
-    fn reduce<const TIME: bool>(&mut self, at: Placed<R>, x: &mut [R], columns: usize) {
+    pub(super) fn reduce<const TIME: bool>(&mut self, at: Placed<R>, x: &mut [R], columns: usize) {
         let Elimination { constraints, factors, friction, c, phi, .. } = self;
         let c = if TIME { phi } else { c };
         factors.forward(c, columns);
@@ -301,7 +314,7 @@ impl<R: Real> Elimination<R> {
 
     /// Fills c with the derivatives of G a + h to the coordinates, or to their rates.
     #[inline(always)]
-    fn constraint_derivatives(&mut self, at: Placed<R>, f: &[R], rates: bool) {
+    pub(super) fn derive_constraints(&mut self, at: Placed<R>, f: &[R], rates: bool) {
         let n = self.n;
         self.c.fill(f[0].zero());
         for joint in 0..self.constraints.len() {

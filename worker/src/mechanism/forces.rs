@@ -14,7 +14,7 @@ use super::load::{IslandLoad, NO_FRAME};
 use super::piecewise_cubic::Jet;
 use crate::contact::Walls;
 use crate::integrate::{Layout, Linearised};
-use crate::lanes::Real;
+use crate::lanes::{Real, Vectorised};
 
 /// Joints and loads that act on an island, and the frames of its bodies.
 pub(super) struct Acting<'a, R, J, G> {
@@ -74,7 +74,7 @@ impl<R: Real, J: Touching<R>, G: Guiding<R>> Acting<'_, R, J, G> {
             at.prescribed.fill([zero; 3]);
             written = WrittenBlocks::begin(free, at);
         }
-        let JointSpace { pairs, walls } = space;
+        let JointSpace { pairs, walls } = &mut *space;
         for (joint, pair) in self.joints.iter().zip(&mut *pairs) {
             let ([i, j], _) = joint.parts();
             *pair = PairMotion::new([i, j], &self.frames[i.frame], &self.frames[j.frame]);
@@ -82,15 +82,14 @@ impl<R: Real, J: Touching<R>, G: Guiding<R>> Acting<'_, R, J, G> {
         for (joint, (pair, wall)) in self.joints.iter().zip(pairs.iter().zip(&mut *walls)) {
             *wall = joint.parts().1.walls(&pair.place, pair.motion.turn);
         }
-        for (index, (joint, (pair, wall))) in self.joints.iter().zip(pairs.iter().zip(&*walls)).enumerate() {
-            let ([i, j], law) = joint.parts();
-            let (fi, fj) = (&self.frames[i.frame], &self.frames[j.frame]);
-            let (force, joint, slopes) = pair_force::<R, JACOBIAN>(law, pair, wall, fi, fj);
-            self.add::<JACOBIAN>([i.frame, j.frame], &force, &slopes, f, (at, &mut written));
-            if JACOBIAN {
-                at.joints[index] = joint;
-                at.e[index] = pair.motion.e;
-                at.turns[index] = pair.motion.turn;
+        let space: &JointSpace<R> = space;
+        for index in 0..self.joints.len() {
+            let to = (&mut *f, &mut *at, &mut written);
+            let force = ForceOfJoint::<R, J, G, JACOBIAN> { acting: self, index, space, to };
+            if R::LANES > 1 && self.joints[index].parts().1.is_foundation() {
+                t.apart(force);
+            } else {
+                force.add();
             }
         }
         for (index, guide) in self.guides.iter().enumerate() {
@@ -222,6 +221,45 @@ impl<R: Real, J: Touching<R>, G: Guiding<R>> Acting<'_, R, J, G> {
                     None => {}
                 }
             }
+        }
+    }
+}
+
+/// A joint whose force is added to a force, with `JACOBIAN` with its derivatives to a linearisation. That of an elastic foundation is a
+/// function of its own in lanes; that of the other law is not, which would copy its results.
+struct ForceOfJoint<'a, R, J, G, const JACOBIAN: bool> {
+    acting: &'a Acting<'a, R, J, G>,
+    index: usize,
+    space: &'a JointSpace<R>,
+    to: (&'a mut [R], &'a mut Linearised<R>, &'a mut WrittenBlocks),
+}
+
+impl<R: Real, J: Touching<R>, G: Guiding<R>, const JACOBIAN: bool> ForceOfJoint<'_, R, J, G, JACOBIAN> {
+    #[inline(always)]
+    fn add(self) {
+        let ForceOfJoint { acting, index, space, to: (f, at, written) } = self;
+        let ([i, j], law) = acting.joints[index].parts();
+        let (pair, wall) = (&space.pairs[index], &space.walls[index]);
+        let (fi, fj) = (&acting.frames[i.frame], &acting.frames[j.frame]);
+        let (force, joint, slopes) = pair_force::<R, JACOBIAN>(law, pair, wall, fi, fj);
+        acting.add::<JACOBIAN>([i.frame, j.frame], &force, &slopes, f, (&mut *at, written));
+        if JACOBIAN {
+            at.joints[index] = joint;
+            at.e[index] = pair.motion.e;
+            at.turns[index] = pair.motion.turn;
+        }
+    }
+}
+
+impl<R: Real, J: Touching<R>, G: Guiding<R>, const JACOBIAN: bool> Vectorised
+    for ForceOfJoint<'_, R, J, G, JACOBIAN>
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        if self.acting.joints[self.index].parts().1.is_foundation() {
+            self.add();
         }
     }
 }

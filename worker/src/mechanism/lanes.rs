@@ -1,7 +1,7 @@
 //! Islands of identical topology, one per SIMD lane: the same bodies, joints and loads with different
 //! numbers.
 
-use super::closing::{IdealJoints, close};
+use super::closing::IdealJoints;
 use super::effective_mass::begun;
 use super::elimination::Elimination;
 use super::forces::{Acting, JointSpace};
@@ -222,6 +222,36 @@ impl<R: Real> IslandLanes<R> {
         self.ideal.update_inputs(t, &self.frames);
     }
 
+    /// What [`Dynamics::force`] does.
+    #[inline(always)]
+    pub(super) fn add_forces(&mut self, t: R, [q, v]: [&[R]; 2], f: &mut [R]) {
+        self.update_frames(t, q, v);
+        let (acting, space, none) = self.acting();
+        acting.applied::<false>(t, space, f, none);
+        if self.ideal.rows > 0 {
+            let (ideal, at) = self.joints();
+            ideal.add_reactions(at, f);
+        }
+    }
+
+    /// What [`Dynamics::linearise`] does.
+    #[inline(always)]
+    pub(super) fn add_derivatives(&mut self, t: R, [q, v]: [&[R]; 2], at: &mut Linearised<R>) {
+        self.update_frames(t, q, v);
+        let mut f = std::mem::take(&mut at.f);
+        let (acting, space, _) = self.acting();
+        acting.applied::<true>(t, space, &mut f, at);
+        at.f = f;
+        if self.ideal.rows > 0 {
+            let (ideal, placed) = self.joints();
+            let [independent, balanced] = ideal.add_reactions(placed, &mut at.f);
+            ideal.reduce_derivatives(placed, at);
+            let apart = if self.may_be_singular { self.ideal.factors.apart } else { independent };
+            // Near singular positions an island is integrated by itself.
+            (at.independent, at.balanced) = (Some(independent * apart), Some(balanced));
+        }
+    }
+
     /// Joints and loads of the islands at the state last set, the space that their forces take, and what takes the place of a linearisation
     /// where none is computed.
     #[inline(always)]
@@ -271,30 +301,12 @@ impl<R: Real> Dynamics<R> for IslandLanes<R> {
 
     #[inline(always)]
     fn force(&mut self, t: R, q: &[R], v: &[R], f: &mut [R]) {
-        self.update_frames(t, q, v);
-        let (acting, space, none) = self.acting();
-        acting.applied::<false>(t, space, f, none);
-        if self.ideal.rows > 0 {
-            let (ideal, at) = self.joints();
-            ideal.add_reactions(at, f);
-        }
+        t.apart((self, t, [q, v], f));
     }
 
     #[inline(always)]
     fn linearise(&mut self, t: R, q: &[R], v: &[R], at: &mut Linearised<R>) {
-        self.update_frames(t, q, v);
-        let mut f = std::mem::take(&mut at.f);
-        let (acting, space, _) = self.acting();
-        acting.applied::<true>(t, space, &mut f, at);
-        at.f = f;
-        if self.ideal.rows > 0 {
-            let (ideal, placed) = self.joints();
-            let [independent, balanced] = ideal.add_reactions(placed, &mut at.f);
-            ideal.reduce_derivatives(placed, at);
-            let apart = if self.may_be_singular { self.ideal.factors.apart } else { independent };
-            // Near singular positions an island is integrated by itself.
-            (at.independent, at.balanced) = (Some(independent * apart), Some(balanced));
-        }
+        t.apart((self, t, [q, v], at));
     }
 }
 
@@ -329,7 +341,7 @@ impl<R: Real> SteppedLanes<R> for IslandLanes<R> {
 
     #[inline(always)]
     fn close(&mut self, t: R, wanted: R, q: &mut [R], v: &mut [R]) -> [R; 2] {
-        close(self, t, wanted, q, v)
+        t.apart((self, t, wanted, [q, v]))
     }
 
     #[inline(always)]

@@ -30,6 +30,7 @@ mod orthonormal;
 mod passage;
 mod piecewise_cubic;
 mod prescribed;
+mod separate;
 mod sliding;
 mod sparse_elimination;
 mod start_velocity;

@@ -47,6 +47,28 @@ impl PredictedHistory {
         means.iter().zip(&self.scale).map(move |(mean, scale)| self.learned.value(mean + scale * deviation))
     }
 
+    /// The checkpoint at which the history of these `means` and this `deviation`, see [`Self::values`], first reaches `threshold` [unit of
+    /// the output]. `values` then holds it as far as its crossing needs it; the others are not numbers.
+    pub fn reached(
+        &self,
+        means: &[f64],
+        deviation: f64,
+        threshold: f64,
+        values: &mut Vec<f64>,
+    ) -> Option<usize> {
+        let first = usize::from(self.has_start);
+        let value = |o: usize| self.learned.value(means[o] + self.scale[o] * deviation);
+        // An exponential takes longer than all the rest: only what may reach the threshold but for rounding needs one.
+        let bound = self.learned.learned(threshold);
+        let may_reach = |o: usize| means[o] + self.scale[o] * deviation >= bound - 1e-9 * (1.0 + bound.abs());
+        let reached = (first..means.len()).find(|o| may_reach(*o) && value(*o) >= threshold)?;
+        values.clear();
+        values.resize(means.len(), f64::NAN);
+        let around = reached.saturating_sub(2)..means.len().min(reached + 3);
+        (0..first).chain(around).for_each(|o| values[o] = value(o));
+        Some(reached - first)
+    }
+
     /// The history with these values at the start, if the model has it, and at the checkpoints.
     pub fn track<'a>(&self, times: &'a [f64], values: &'a [f64]) -> Track<'a> {
         let (start, values) =

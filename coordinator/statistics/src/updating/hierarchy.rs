@@ -146,7 +146,8 @@ struct DensityRatios<'a> {
 impl DensityRatios<'_> {
     fn weights(&self, points: &[f64]) -> Vec<f64> {
         let value = |(place, table): (&f64, &Vec<f64>)| {
-            let (node, share) = (*place as usize, place.fract());
+            let node = *place as usize;
+            let share = *place - node as f64;
             table[node] + share * (table[node + 1] - table[node])
         };
         let rows = points.chunks_exact(self.ratios.len());
