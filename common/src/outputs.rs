@@ -90,6 +90,9 @@ pub struct CycleHistory {
     pub motion: Vec<BodyMotion>,
     /// Name of each joint with its force magnitude, of a cam, teeth or a belt negative where their contact cannot transmit it `(n,)` [N].
     pub joint_force: Vec<(String, Vec<f64>)>,
+    /// Name of each driven body with the torque that moves it, positive counter-clockwise `(n,)` [N m].
+    #[serde(default)]
+    pub driving_torque: Vec<(String, Vec<f64>)>,
     /// Journals of a cycle that another program gives; empty for the built-in mechanics.
     #[serde(default)]
     pub journals: Vec<JournalPath>,

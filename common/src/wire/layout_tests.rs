@@ -12,7 +12,7 @@ use crate::outputs::{
 
 /// Version and layout of the messages: [`PROTOCOL_VERSION`] and the hash of [`frames`]. Where the second changes, a message
 /// has another layout, and the first has to change too.
-const LAYOUT: (u16, u64) = (14, 0xeee2_2d91_2e06_89ea);
+const LAYOUT: (u16, u64) = (15, 0x7c01_f0c3_c14b_9792);
 
 fn accuracy() -> Accuracy {
     Accuracy {
@@ -51,6 +51,7 @@ fn cycle() -> CycleHistory {
             eccentricity: vec![[9.0, 10.0]],
         }],
         slider_position: vec![("2".into(), vec![11.0])],
+        driving_torque: vec![("crank".into(), vec![12.0])],
     }
 }
 

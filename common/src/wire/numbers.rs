@@ -82,7 +82,11 @@ fn in_cycle(cycle: &CycleHistory, which: &str) -> Option<String> {
         };
         values.iter().find_map(named)
     };
-    of_joints("force", &cycle.joint_force).or_else(|| of_joints("position", &cycle.slider_position))
+    let torques = cycle.driving_torque.iter().find_map(|(body, torque)| {
+        position(torque).map(|at| format!("torque {at} of {body} in the {which} cycle"))
+    });
+    let forces = of_joints("force", &cycle.joint_force);
+    forces.or_else(|| of_joints("position", &cycle.slider_position)).or(torques)
 }
 
 /// True if every number of a failure is finite. In JSON the others are null, as is the name of a joint where there is none.

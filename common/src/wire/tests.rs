@@ -17,14 +17,13 @@ fn key() -> impl Strategy<Value = TaskKey> {
 }
 
 fn task() -> impl Strategy<Value = Task> {
-    let own_accuracy = proptest::option::of(number().prop_map(accuracy));
-    let parts = (key(), any::<u32>(), vec(number(), 0..20), any::<bool>(), own_accuracy);
+    let parts = (key(), any::<u32>(), vec(number(), 0..20), any::<bool>(), proptest::option::of(number()));
     parts.prop_map(|(key, attempt, sample, with_first_cycle, accuracy)| Task {
         key,
         attempt,
         sample,
         with_first_cycle,
-        accuracy,
+        accuracy: accuracy.map(self::accuracy),
         level: 2,
     })
 }
@@ -40,7 +39,8 @@ fn first_cycle() -> impl Strategy<Value = CycleHistory> {
                 speed: force.clone(),
             }],
             bodies: vec![BodyTrace { label: label.clone(), speed: angle.clone(), angle }],
-            joint_force: vec![(label, force)],
+            joint_force: vec![(label.clone(), force.clone())],
+            driving_torque: vec![(label, force)],
             ..CycleHistory::default()
         },
     )

@@ -59,6 +59,7 @@ fn cycle(cycle: &CycleHistory) -> Value {
         "rocker_speed_rpm": traces(|body| in_rpm(&body.speed)),
         "bodies": cycle.motion.iter().map(|body| (body.body.as_str(), motion(body))).collect::<Value>(),
         "joint_force_N": by_joint(&cycle.joint_force),
+        "driving_torque_N_m": by_joint(&cycle.driving_torque),
         "slider_position_m": by_joint(&cycle.slider_position),
         "journals": cycle.journals.iter().map(|path| (path.joint.as_str(), journal(path))).collect::<Value>(),
     })

@@ -33,7 +33,7 @@ struct DisplayedState {
     /// Positions and velocities `(n,)` [m, rad], [m/s, rad/s].
     q: Vec<f64>,
     v: Vec<f64>,
-    /// Force magnitude of each joint `(joints,)` [N].
+    /// Force magnitude of each joint [N], then the moment on each prescribed body [N m] `(joints + prescribed,)`.
     force: Vec<f64>,
     powers: Powers,
 }
@@ -48,7 +48,8 @@ pub struct DisplayedMotion {
     before: DisplayedState,
     /// Number of states so far.
     states: usize,
-    /// Positions `(shown, n)` [m, rad], velocities `(shown, n)` [m/s, rad/s] and force magnitudes `(shown, joints)` [N] at the first displayed times.
+    /// Positions `(shown, n)` [m, rad], velocities `(shown, n)` [m/s, rad/s], and forces and moments
+    /// `(shown, joints + prescribed)` [N, N m] at the first displayed times.
     q: Vec<f64>,
     v: Vec<f64>,
     force: Vec<f64>,
@@ -62,7 +63,7 @@ impl DisplayedMotion {
         DisplayedMotion { at, ..DisplayedMotion::default() }
     }
 
-    /// Adds the state `q`, `v` `(n,)` at `time` [s] with the `forces` of the joints [N] and the powers of the island.
+    /// Adds the state `q`, `v` `(n,)` at `time` [s] with the `forces` of the joints [N], the moments on the prescribed bodies [N m] and the powers of the island.
     pub(super) fn push(
         &mut self,
         time: f64,
@@ -125,7 +126,7 @@ impl DisplayedMotion {
         }
     }
 
-    /// Force magnitude of a joint at the displayed times [N].
+    /// Force magnitude of a joint at the displayed times [N]; with the prescribed bodies counted after the joints, the moment on one [N m].
     pub(crate) fn force(&self, joint: usize) -> Vec<f64> {
         column(&self.force, joint, self.last.force.len()).collect()
     }
@@ -208,7 +209,9 @@ impl FullRecording {
             track.push(force.abs(), touches, half);
         }
         if let Some(motion) = &mut self.displayed {
-            motion.push(t, [q, v], forces().map(|(force, _)| force), powers(island, t, v, at));
+            let moments = at.prescribed.iter().map(|force| force[2]);
+            let forces = forces().map(|(force, _)| force).chain(moments);
+            motion.push(t, [q, v], forces, powers(island, t, v, at));
         }
     }
 

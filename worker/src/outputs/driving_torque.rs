@@ -12,20 +12,22 @@
 
 use super::{MomentTrack, RecordedCycle, sample_times};
 use crate::mechanism::{Prescribed, external_moment};
-use common::scene::Motion;
+use common::scene::{Motion, Scene};
 
 /// The output `driving-torque` [N m] of a driven body of the scene.
 pub(super) fn driving_torque(body: usize, cycle: &RecordedCycle) -> f64 {
-    let scene = cycle.scene;
+    let own = own_torque(cycle.scene, body);
+    own.map_or(0.0, |own| largest_torque(&cycle.moments(body), &sample_times(cycle.scene), own))
+}
+
+/// The torque [N m] over time that a driven body of the scene needs without the moments of the islands; `None` for another body.
+pub(crate) fn own_torque(scene: &Scene, body: usize) -> Option<impl Fn(f64) -> f64> {
     let driven = &scene.bodies[body];
-    let Some(motion) = Prescribed::from_body(driven) else { return 0.0 };
+    let motion = Prescribed::from_body(driven)?;
     let outer = external_moment(scene, body);
-    let inertia = match &driven.motion {
-        Motion::Driven { inertia, .. } => *inertia,
-        _ => None,
-    };
-    let own = |t: f64| {
-        let inertial = inertia.map_or(0.0, |driven| {
+    let Motion::Driven { inertia, .. } = &driven.motion else { return None };
+    Some(move |t: f64| {
+        let inertial = inertia.as_ref().map_or(0.0, |driven| {
             let [x, y] = driven.centre_of_mass;
             let inertial = (driven.inertia + driven.mass * (x * x + y * y)) * motion.jet(t)[2];
             if [x, y] == [0.0; 2] || scene.gravity == [0.0; 2] {
@@ -36,8 +38,7 @@ pub(super) fn driving_torque(body: usize, cycle: &RecordedCycle) -> f64 {
             inertial - weight
         });
         inertial - outer(t)
-    };
-    largest_torque(&cycle.moments(body), &sample_times(scene), own)
+    })
 }
 
 /// max over t of |own(t) - sum of the moments|, where `own` [N m] is the torque that the body needs without them. Evaluated at the

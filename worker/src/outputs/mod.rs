@@ -30,6 +30,7 @@ mod trace;
 
 pub(crate) use contact_lanes::ContactLanes;
 pub(crate) use displayed_motion::{FullRecording, sum_of_islands};
+pub(crate) use driving_torque::own_torque;
 pub(crate) use motion_output::{is_extreme, missed_peak, motion_value, recording_request};
 pub(crate) use motion_rows::MotionRows;
 pub(crate) use peaks::RecordingRequest;

@@ -3,9 +3,12 @@
 //! # Finish
 //! The result of an evaluation.
 
+use super::island_state::IslandState;
 use super::{LifeHistory, Run, Simulated};
 use crate::mechanism::{Island, Prescribed};
-use crate::outputs::{FullRecording, RecordedCycle, Recorder, motion_value, sample_times, sum_of_islands};
+use crate::outputs::{
+    FullRecording, RecordedCycle, Recorder, motion_value, own_torque, sample_times, sum_of_islands,
+};
 use common::failure::SimulationFailure;
 use common::outputs::{
     BodyMotion, BodyTrace, CycleHistory, Diagnostics, EnergyBalance, Evaluation, JointSummary, PointsError,
@@ -112,7 +115,25 @@ impl Run<'_> {
             full.displayed.as_ref().map_or_else(Vec::new, |motion| motion.force(joint))
         });
         let motion = self.body_motions(&time);
-        CycleHistory { time, bodies, motion, joint_force, ..CycleHistory::default() }
+        let driving_torque = self.driving_torques(&time);
+        CycleHistory { time, bodies, motion, joint_force, driving_torque, ..CycleHistory::default() }
+    }
+
+    /// Name of every driven body and its torque at the times `time` [s], in the scene's order.
+    fn driving_torques(&self, time: &[f64]) -> Vec<(String, Vec<f64>)> {
+        let of_body = |body: usize| {
+            let own = own_torque(self.scene, body)?;
+            let mut torque: Vec<f64> = time.iter().map(|t| own(*t)).collect();
+            for IslandState { island, recorder, .. } in &self.islands {
+                let displayed = recorder.full.as_ref().and_then(|full| full.displayed.as_ref());
+                let slot = island.touched.iter().position(|touched| *touched == body);
+                let Some((displayed, slot)) = displayed.zip(slot) else { continue };
+                let moment = displayed.force(island.all_joints().count() + slot);
+                torque.iter_mut().zip(moment).for_each(|(torque, moment)| *torque -= moment);
+            }
+            Some((self.scene.bodies[body].name.clone(), torque))
+        };
+        (0..self.scene.bodies.len()).filter_map(of_body).collect()
     }
 
     /// Motion of every body that moves, in the scene's order, at the times `time` [s].

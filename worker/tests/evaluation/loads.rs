@@ -272,12 +272,20 @@ fn driving_torque_is_the_rate_of_the_kinetic_energy() {
             + 0.5 * rod_inertia * phi_rate * phi_rate
             + 0.5 * slider * end[0] * end[0]
     };
-    let largest = (0..20_000)
-        .map(|k| TAU * f64::from(k) / 20_000.0)
-        .map(|theta| ((kinetic(theta + 1e-5) - kinetic(theta - 1e-5)) / 2e-5).abs())
-        .fold(0.0, f64::max);
-    let found = run(&scene).histories[0][0];
+    let torque = |theta: f64| (kinetic(theta + 1e-5) - kinetic(theta - 1e-5)) / 2e-5;
+    let angles = (0..20_000).map(|k| TAU * f64::from(k) / 20_000.0);
+    let largest = angles.map(|theta| torque(theta).abs()).fold(0.0, f64::max);
+    let evaluation = run(&scene);
+    let found = evaluation.histories[0][0];
     assert!((found / largest - 1.0).abs() < 1e-5, "{found} against {largest} N m");
+    // Over the cycle, with its sign.
+    let cycle = evaluation.first_cycle.expect("it is shown");
+    let [(body, shown)] = &cycle.driving_torque[..] else { panic!("one driven body") };
+    let crank = cycle.motion.iter().find(|motion| motion.body == *body).expect("it turns");
+    assert_eq!((body.as_str(), shown.len()), ("crank", cycle.time.len()));
+    for (found, angle) in shown.iter().zip(&crank.angle) {
+        assert!((found - torque(*angle)).abs() < 1e-3 * largest, "{found} at {angle}, {}", torque(*angle));
+    }
 }
 
 /// A pull holds the pin at the far side of its bore: the rod is longer by clearance and penetration.

@@ -62,6 +62,7 @@ pub fn first_cycle(input: &ReportInput) -> Vec<Figure> {
     let positions = cycle.slider_position.iter().map(position).collect();
     let figures = [
         forces(cycle, &force, ["joint-forces", title, state]),
+        torques(cycle, &units.of(OutputUnit::Torque)),
         over_time(cycle, of_angles, traces(&ANGLE, &angle), &extremes),
         over_time(cycle, of_speeds, traces(&SPEED, &speed), "As the angles above, with the same signs."),
         over_time(
@@ -125,6 +126,22 @@ fn forces(cycle: &CycleHistory, unit: &OutputUnit, [name, title, state]: [&str; 
     };
     let caption = format!("{state} Peaks of joints {}.", joined(cycle.joint_force.iter().map(peak), ", "));
     over_time(cycle, [name, title, &axis(unit, "joint force")], forces, &caption)
+}
+
+/// Torque of every driven body over the first cycle.
+fn torques(cycle: &CycleHistory, unit: &OutputUnit) -> Option<Figure> {
+    let of_bodies = &cycle.driving_torque;
+    let extremes = |(body, torque): &(String, Vec<f64>)| {
+        let [low, high] = <[f64; 2]>::from(range(torque.iter().copied())).map(|si| unit.to_shown(si));
+        format!("{body}: {} to {}", three_digits(low), unit.after(&three_digits(high)))
+    };
+    let caption = format!(
+        "What moves the driven bodies as given, positive counter-clockwise. {}.",
+        joined(of_bodies.iter().map(extremes), "; ")
+    );
+    let curves = of_bodies.iter().map(|(body, torque)| (body.clone(), trace(cycle, torque, unit))).collect();
+    let names = ["driving-torque", "Driving torque of the first cycle", &axis(unit, "torque")];
+    over_time(cycle, names, curves, &caption)
 }
 
 /// Values over the time [ms] of a cycle in the unit shown.
@@ -278,6 +295,20 @@ mod tests {
     }
 
     #[test]
+    fn torques_of_driven_bodies_have_their_range() {
+        let mut input = crate::tests::test_study::report_input();
+        let cycle = input.nominal.as_mut().unwrap().first_cycle.as_mut().unwrap();
+        let n = cycle.time.len();
+        let torque = |k: usize| 0.1 - 0.3 * (std::f64::consts::TAU * k as f64 / (n - 1) as f64).cos();
+        cycle.driving_torque = vec![("crank".into(), (0..n).map(torque).collect())];
+        let figures = first_cycle(&input);
+        let found = figures.iter().find(|figure| figure.name == "driving-torque").unwrap();
+        let caption = found.caption.replace('\u{a0}', " ");
+        assert!(caption.ends_with("counter-clockwise. crank: -0.200 to 0.400 N m."), "{caption}");
+        assert!(found.drawing.content.contains("torque [N m]"));
+    }
+
+    #[test]
     fn sliders_of_a_program_have_their_positions() {
         let mut input = crate::tests::test_study::report_input();
         let cycle = input.nominal.as_mut().unwrap().first_cycle.as_mut().unwrap();
@@ -292,6 +323,7 @@ mod tests {
             found.caption
         );
         assert!(found.drawing.content.contains("position [mm]"));
+        assert!(figures.iter().all(|figure| figure.name != "driving-torque"));
         // A motion seen once has not settled.
         assert!(figures[0].caption.starts_with("Unworn nominal mechanism, settled. "));
         (input.scene.life.cycles, input.scene.life.settle_cycles) = (1, 0);
