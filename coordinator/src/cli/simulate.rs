@@ -12,7 +12,9 @@ use coordinator::analyses::scene_settings::scene_with;
 use coordinator::presentation::motion_cautions::cautions;
 use coordinator::presentation::nominal_life::nominal_lives;
 use coordinator::presentation::report::ReportInput;
-use coordinator::presentation::report::format::{count as grouped, duration, three_digits, with_unit};
+use coordinator::presentation::report::format::{
+    count as grouped, duration, number_of_cycles, three_digits, with_unit,
+};
 use coordinator::presentation::report::nominal_page::page;
 use coordinator::results::result_files::write_text;
 use coordinator::results::summary_rows::control_points_rows;
@@ -185,7 +187,7 @@ impl Simulated<'_> {
             Some(_) => count(work.simulated_cycles as usize, "simulated cycle"),
         };
         let by = self.accuracy.map(|accuracy| format!(", accuracy {accuracy}, {done}")).unwrap_or_default();
-        format!("{} cycles{by} in {}", grouped(cycles.into()), duration(self.wall))
+        format!("{}{by} in {}", number_of_cycles(cycles), duration(self.wall))
     }
 }
 
@@ -230,6 +232,8 @@ mod tests {
             "{shown}"
         );
         assert_eq!(lines[4..], ["written: one.json"]);
+        let once = Evaluation::from_histories(vec![1], vec![vec![1e-6], vec![44.4]]);
+        assert!(text(&once, &[]).starts_with("four-bar: 1 cycle, accuracy draft, "), "{}", text(&once, &[]));
         evaluation.diagnostics.narrow_grooves =
             vec![NarrowGroove { joint: "crank".into(), since: 4000, angle: 1.0, width: 0.3, open: 1.25e-6 }];
         let text = text(&evaluation, &[]);

@@ -161,9 +161,12 @@ pub fn reliability(row: &ReliabilityRow, name: &str) -> String {
     interval.map_or_else(|| fixed(r, 4), |range| format::reliability(r, range.lower, range.upper))
 }
 
-/// The reliability of every limit state and of the system with its 95 % interval at these checkpoints: the head and a row each.
+/// The reliability of every limit state, and of the system if there are several, with its 95 % interval at these checkpoints: the head
+/// and a row each.
 pub fn reliability_table(summary: &StudySummary, rows: &[ReliabilityRow]) -> Vec<Vec<String>> {
-    let names = || summary.limit_states.iter().map(String::as_str).chain(["total"]);
+    let states = &summary.limit_states;
+    let system = (states.len() != 1).then_some("total");
+    let names = || states.iter().map(String::as_str).chain(system);
     let head = std::iter::once("cycles".to_owned()).chain(names().map(|name| format!("R {name} (95 %)")));
     let cells = |row: &ReliabilityRow| {
         std::iter::once(count(row.cycles.into())).chain(names().map(|name| reliability(row, name))).collect()

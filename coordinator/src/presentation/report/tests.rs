@@ -288,6 +288,8 @@ fn one_limit_state_needs_no_total() {
     assert_sound(&report);
     assert!(report.html(None).contains("The mechanism fails by wear"));
     assert!(!report.html(None).contains("asymmetry-"));
+    let html = without_pads(&report.html(None)).replace('\u{a0}', " ");
+    assert!(html.contains("R wear (95 %)") && !html.contains("R total (95 %)"));
 }
 
 #[test]

@@ -29,12 +29,14 @@ pub fn first_cycle(input: &ReportInput) -> Vec<Figure> {
         let [low, high] = [low, high].map(|value| angle.after(&fixed(value, 3)).replace(" deg", "°"));
         format!("{}: {low} to {high}", body.label)
     });
-    let [state, of] = if input.scene.simulator.is_some() {
-        ["Unworn surfaces, as the program gives it.", "Journal's body relative to the bushing's, by joint: "]
-    } else if input.scene.life.is_single_cycle() {
-        ["Unworn nominal mechanism, from its start.", ""]
+    let condition = input.scene.conditions.first();
+    let under = condition.map_or(String::new(), |condition| format!(" under condition {}", condition.name));
+    let since = if input.scene.life.is_single_cycle() { "from its start" } else { "settled" };
+    let (state, of) = if input.scene.simulator.is_some() {
+        let state = format!("Unworn surfaces{under}, as the program gives it.");
+        (state, "Journal's body relative to the bushing's, by joint: ")
     } else {
-        ["Unworn nominal mechanism, settled.", ""]
+        (format!("Unworn nominal mechanism{under}, {since}."), "")
     };
     let extremes = format!("{of}{}.", joined(extremes, "; "));
     let traces = |(values, ..): &BodyQuantity, unit: &OutputUnit| -> Traces {
@@ -61,7 +63,7 @@ pub fn first_cycle(input: &ReportInput) -> Vec<Figure> {
         |(joint, position): &(String, Vec<f64>)| (format!("joint {joint}"), trace(cycle, position, &length));
     let positions = cycle.slider_position.iter().map(position).collect();
     let figures = [
-        forces(cycle, &force, ["joint-forces", title, state]),
+        forces(cycle, &force, ["joint-forces", title, &state]),
         torques(cycle, &units.of(OutputUnit::Torque)),
         over_time(cycle, of_angles, traces(&ANGLE, &angle), &extremes),
         over_time(cycle, of_speeds, traces(&SPEED, &speed), "As the angles above, with the same signs."),
@@ -247,7 +249,8 @@ impl VaryingLoads {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use common::scene::SceneSource;
+    use common::scene::{Condition, SceneSource};
+    use std::collections::BTreeMap;
 
     #[test]
     fn a_table_over_the_crank_is_shown_at_the_angles_at_which_it_acts() {
@@ -304,7 +307,7 @@ mod tests {
         let figures = first_cycle(&input);
         let found = figures.iter().find(|figure| figure.name == "driving-torque").unwrap();
         let caption = found.caption.replace('\u{a0}', " ");
-        assert!(caption.ends_with("counter-clockwise. crank: -0.200 to 0.400 N m."), "{caption}");
+        assert!(caption.ends_with("counter-clockwise. crank: \u{2212}0.200 to 0.400 N m."), "{caption}");
         assert!(found.drawing.content.contains("torque [N m]"));
     }
 
@@ -328,5 +331,9 @@ mod tests {
         assert!(figures[0].caption.starts_with("Unworn nominal mechanism, settled. "));
         (input.scene.life.cycles, input.scene.life.settle_cycles) = (1, 0);
         assert!(first_cycle(&input)[0].caption.starts_with("Unworn nominal mechanism, from its start. "));
+        let (scene, parameters) = (input.scene.clone(), BTreeMap::new());
+        input.scene.conditions = vec![Condition { name: "fast".into(), share: 1.0, scene, parameters }];
+        let caption = &first_cycle(&input)[0].caption;
+        assert!(caption.starts_with("Unworn nominal mechanism under condition fast, from its start. "));
     }
 }
