@@ -145,7 +145,8 @@ impl<R: Real> Elimination<R> {
     /// Fills phi, Q and R. Returns one, zero in lanes where the constraints are dependent.
     #[inline(always)]
     pub(super) fn factor(&mut self, at: Placed<R>) -> R {
-        self.factors.apart.apart((self, at))
+        let like = self.factors.apart;
+        like.apart((self, at))
     }
 
     /// What [`Self::factor`] does.
@@ -176,7 +177,8 @@ impl<R: Real> Elimination<R> {
     /// Returns one, else zero: where the constraints are independent, and where reactions and friction balance each other.
     #[inline(always)]
     pub(crate) fn add_reactions(&mut self, at: Placed<R>, f: &mut [R]) -> [R; 2] {
-        self.factors.apart.apart((self, at, f))
+        let like = self.factors.apart;
+        like.apart((self, at, f))
     }
 
     /// What [`Self::add_reactions`] does.

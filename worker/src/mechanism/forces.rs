@@ -86,6 +86,7 @@ impl<R: Real, J: Touching<R>, G: Guiding<R>> Acting<'_, R, J, G> {
         for index in 0..self.joints.len() {
             let to = (&mut *f, &mut *at, &mut written);
             let force = ForceOfJoint::<R, J, G, JACOBIAN> { acting: self, index, space, to };
+            // One number has no separate functions: the second branch alone keeps its code small.
             if R::LANES > 1 && self.joints[index].parts().1.is_foundation() {
                 t.apart(force);
             } else {
@@ -225,8 +226,8 @@ impl<R: Real, J: Touching<R>, G: Guiding<R>> Acting<'_, R, J, G> {
     }
 }
 
-/// A joint whose force is added to a force, with `JACOBIAN` with its derivatives to a linearisation. That of an elastic foundation is a
-/// function of its own in lanes; that of the other law is not, which would copy its results.
+/// A joint whose force is added to a force, with `JACOBIAN` with its derivatives to a linearisation. In lanes the force of an elastic
+/// foundation is a separate function, see [`Real::apart`]; that of the cheaper law is not: its results would be copied.
 struct ForceOfJoint<'a, R, J, G, const JACOBIAN: bool> {
     acting: &'a Acting<'a, R, J, G>,
     index: usize,

@@ -1,4 +1,4 @@
-//! Parts of a step that are functions of their own in lanes, see [`Real::apart`]: what a round does more than once, so that it is
+//! Parts of a step that are separate functions in lanes, see [`Real::apart`]: what a round does more than once, so that it is
 //! compiled once, and what would make the round one function whose compilation takes minutes.
 
 use super::closing::close;

@@ -63,7 +63,8 @@ impl DisplayedMotion {
         DisplayedMotion { at, ..DisplayedMotion::default() }
     }
 
-    /// Adds the state `q`, `v` `(n,)` at `time` [s] with the `forces` of the joints [N], the moments on the prescribed bodies [N m] and the powers of the island.
+    /// Adds the state `q`, `v` `(n,)` at `time` [s] with the `forces` of the joints [N], then the moments on the prescribed bodies [N m], and
+    /// the powers of the island.
     pub(super) fn push(
         &mut self,
         time: f64,
