@@ -31,10 +31,18 @@ pub struct Accuracy {
     /// Factor on the numbers of control points of bores and guides, unless they are a part of the scene's model [1].
     #[serde(default = "one")]
     pub points: u32,
+    /// Whether the error of blocks, wear steps and control points is estimated, from copies of the surfaces that wear beside them; without it
+    /// stated errors leave it out. An evaluation that returns its first cycle always estimates it.
+    #[serde(default = "yes")]
+    pub wear_error: bool,
 }
 
 fn one() -> u32 {
     1
+}
+
+fn yes() -> bool {
+    true
 }
 
 /// Model of the motion between two wear steps.
@@ -83,6 +91,7 @@ impl Accuracy {
             warm_up: 0.05,
             tier: Tier::Automatic,
             points: 1,
+            wear_error: true,
         }
     }
 

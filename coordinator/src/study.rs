@@ -100,6 +100,7 @@ pub use surrogates::Surrogate;
 use crate::farm::evaluate::Evaluator;
 use crate::results::journal::Journal;
 use crate::results::progress::{Observer, Progress};
+use common::accuracy::Accuracy;
 use common::scene::Scene;
 use correction::add_levels;
 use dispatching::Dispatcher;
@@ -128,7 +129,8 @@ pub fn run(
         Method::ActiveLearning | Method::AkMcs => {
             let campaign = Campaign::new(problem, Plan::new(settings, scene));
             let finer = settings.finer_levels(scene).into_iter();
-            dispatcher.finer = finer.map(|level| level.accuracy).collect();
+            let wear_error = settings.evaluated(scene).wear_error;
+            dispatcher.finer = finer.map(|level| Accuracy { wear_error, ..level.accuracy }).collect();
             let mut campaign = PairedCampaign::new(scene, campaign, dispatcher.finer.len());
             dispatcher.run(evaluator, &mut campaign)?;
             dispatcher.observer.notice(&Progress::Ending);

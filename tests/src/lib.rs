@@ -104,6 +104,7 @@ pub fn campaign() -> CampaignSpec {
         warm_up: 0.5,
         tier: Tier::Dynamic,
         points: 1,
+        wear_error: true,
     };
     CampaignSpec {
         id: 17,

@@ -85,7 +85,7 @@ pub use output::{Fails, LimitState, Output, OutputKind};
 pub use output_unit::OutputUnit;
 pub use samples_file::samples_of;
 pub use section::{Section, VALUE_LIMIT};
-pub use simulator::{LEVEL_COST, REQUEST_FILE};
+pub use simulator::REQUEST_FILE;
 pub use source::{SceneSource, published_results};
 pub use units::Units;
 pub use values::{

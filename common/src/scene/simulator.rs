@@ -28,7 +28,7 @@ const TIMEOUT: f64 = 600.0;
 const USUAL_MODEL: &str = "forward";
 /// Cost of an evaluation over that of one at the next coarser level [1]: half the time steps and half the blocks. Measured at the drive:
 /// 2.2 to 4.1 (`wall_s` of `campaign.db`).
-pub const LEVEL_COST: f64 = 4.0;
+const LEVEL_COST: f64 = 4.0;
 /// The file with the request in the working folder of an evaluation.
 pub const REQUEST_FILE: &str = "request.json";
 

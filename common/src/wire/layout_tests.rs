@@ -12,7 +12,7 @@ use crate::outputs::{
 
 /// Version and layout of the messages: [`PROTOCOL_VERSION`] and the hash of [`frames`]. Where the second changes, a message
 /// has another layout, and the first has to change too.
-const LAYOUT: (u16, u64) = (15, 0x7c01_f0c3_c14b_9792);
+const LAYOUT: (u16, u64) = (16, 0xbbe1_4185_d042_245b);
 
 fn accuracy() -> Accuracy {
     Accuracy {
@@ -25,6 +25,7 @@ fn accuracy() -> Accuracy {
         warm_up: 0.5,
         tier: Tier::Dynamic,
         points: 3,
+        wear_error: false,
     }
 }
 

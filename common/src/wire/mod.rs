@@ -36,7 +36,7 @@ pub use refused::{Refused, reason};
 pub use status::{FarmStatus, Phase, ReliabilitySoFar, ScaleStatus, Status, StudyStatus, WorkerStatus};
 
 /// Version of the messages. It changes with every change of their layout or meaning; there is no negotiation.
-pub const PROTOCOL_VERSION: u16 = 15;
+pub const PROTOCOL_VERSION: u16 = 16;
 
 /// Sessions that a coordinator accepts unless its configuration sets another number: one for each directly connected
 /// worker, router, or command that queries the status. See `cargo run --release -p tests --example many_sessions`.

@@ -187,6 +187,7 @@ fn accuracy(x: f64) -> Accuracy {
         warm_up: 0.5,
         tier: Tier::Dynamic,
         points: 2,
+        wear_error: true,
     }
 }
 

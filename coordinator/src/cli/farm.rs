@@ -267,7 +267,7 @@ fn announced(source: &SceneSource, settings: &Settings, resumed: bool) -> Done<C
         licences: None,
     });
     let campaign = of_mechanism(source, settings.accuracy.setting.clone(), &serde_json::to_string(settings)?);
-    Ok(CampaignSpec { simulator, resumed, ..campaign })
+    Ok(CampaignSpec { accuracy: settings.evaluated(scene), simulator, resumed, ..campaign })
 }
 
 /// A campaign of evaluations of a mechanism; its id is a digest of the scene and of the plan.

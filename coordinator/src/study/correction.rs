@@ -169,12 +169,13 @@ impl Correction {
     }
 
     /// The difference of an output at its `n`th checkpoint, at the value `at` and the first pair, that of the nominal point, and the 95 %
-    /// reaches of the parts of its error that more pairs, and more points at the third level, reduce [unit of the output].
-    pub(super) fn reaches(&self, output: usize, n: usize, at: f64) -> (f64, [f64; 2]) {
+    /// reaches of the parts of its error that more pairs, and more points at the third level, reduce, and of all of it [unit of the output].
+    pub(super) fn reaches(&self, output: usize, n: usize, at: f64) -> (f64, [f64; 3]) {
         let (difference, has_start) = &self.outputs[output];
         let n = n + usize::from(*has_start);
-        let scatter = [difference.std_of_pairs(n, at), difference.std_of_thirds(n, at)];
-        (difference.at(n, at, &self.first), scatter.map(|std| REACH * std))
+        let parts =
+            [difference.std_of_pairs(n, at), difference.std_of_thirds(n, at), difference.std_at(n, at)];
+        (difference.at(n, at, &self.first), parts.map(|std| REACH * std))
     }
 
     /// The difference at the threshold of a limit state and its `n`th checkpoint, in shares of the threshold, with 1.96 standard deviations

@@ -216,7 +216,14 @@ impl Settings {
     /// simulation and with a scene's own simulator, which has no such setting.
     pub(super) fn stricter(&self, scene: &Scene) -> Option<Accuracy> {
         let repeats = self.method.learns() && scene.simulator.is_none();
-        repeats.then(|| self.accuracy.setting.accuracy.refined(STRICTER))
+        repeats.then(|| self.evaluated(scene).refined(STRICTER))
+    }
+
+    /// The working accuracy as the tasks have it: where finer levels measure the numerical error, simulations need not estimate that of
+    /// wear and control points, which takes a third of their time and more, unless it is wanted as noise.
+    pub fn evaluated(&self, scene: &Scene) -> Accuracy {
+        let measured = !self.finer_levels(scene).is_empty() && self.stated_errors != StatedErrors::Full;
+        Accuracy { wear_error: !measured, ..self.accuracy.setting.accuracy }
     }
 
     /// Bound on evaluations; direct simulation adds the nominal point to its samples.
@@ -321,9 +328,8 @@ mod tests {
 
     #[test]
     fn stored_settings_are_read_to_the_last_bit() {
-        let settings = settings();
-        let stored = serde_json::to_string(&settings).unwrap();
-        assert_eq!(read(&stored), settings);
+        let stored = serde_json::to_string(&settings()).unwrap();
+        assert_eq!(read(&stored), settings());
         // A name that stands for another accuracy by now does not change a study.
         let other = read(&stored.replace("\"cycle_jump\":8000", "\"cycle_jump\":4001"));
         assert_eq!(other.accuracy.setting.accuracy.cycle_jump, 4001);
@@ -361,9 +367,7 @@ mod tests {
 
     #[test]
     fn method_names_are_read_back() {
-        for method in Method::ALL {
-            assert_eq!(method.name().parse(), Ok(method));
-        }
+        Method::ALL.iter().for_each(|method| assert_eq!(method.name().parse(), Ok(*method)));
     }
 
     fn named(names: &[&str]) -> Vec<NamedAccuracy> {
@@ -378,6 +382,7 @@ mod tests {
         settings.accuracy.setting = "draft".parse().unwrap();
         let [finer, finest] = &settings.finer_levels(scene)[..] else { panic!("two levels") };
         assert_eq!((finer.accuracy.cycle_jump, finer.accuracy.points), (4000, 2));
+        assert!(!settings.evaluated(scene).wear_error);
         assert_eq!((finest.accuracy.cycle_jump, finest.accuracy.points), (2000, 4));
         let levels = named(&["draft", "balanced", "reference"]);
         let (working, finer) = FinerLevels::of_names(&levels).unwrap();
@@ -387,6 +392,8 @@ mod tests {
         assert_eq!((working, settings.finer_levels(scene)), (levels[0].clone(), levels[1..].to_vec()));
         let (_, none) = FinerLevels::of_names(&levels[..1]).unwrap();
         assert!(none.is_none() && FinerLevels::of_names(&[]).is_err());
+        settings.stated_errors = StatedErrors::Full;
+        assert!(settings.evaluated(scene).wear_error);
         let direct = Settings { method: Method::MonteCarlo, ..settings };
         assert_eq!(direct.finer_levels(scene), []);
     }

@@ -69,6 +69,11 @@ fn has_moved(now: &MeasuredLives, last: Option<&FinerCycles>) -> bool {
 }
 
 impl Run<'_> {
+    /// Wears no copies: the stated errors leave out what they would show.
+    pub(crate) fn leave_out_copies(&mut self) {
+        self.islands.iter_mut().for_each(|state| state.finer.clear());
+    }
+
     /// Wears the copies on which the motion is compared, if outputs depend on it and a joint wears.
     pub(crate) fn start_comparing_finer(&mut self) {
         if self.first_motion_output().is_some() && self.wears() && !self.scene.life.is_single_cycle() {

@@ -171,7 +171,9 @@ async fn simulate_stages(
             runs[0].simulated += cycles;
         }
         runs.iter_mut().for_each(|run| run.display = options.first_cycle.then(Default::default));
-        if !scene.control_points_of_model || options.first_cycle {
+        if !accuracy.wear_error && !options.first_cycle {
+            runs.iter_mut().for_each(Run::leave_out_copies);
+        } else if !scene.control_points_of_model || options.first_cycle {
             runs[0].start_comparing_finer();
         }
         let mut result = evaluate(&mut runs).await;

@@ -338,7 +338,9 @@ impl<'a> Run<'a> {
                 };
                 let length = f64::from(to - from);
                 let within = marks.partition_point(|mark| *mark < length);
-                state.finer[k].next_marks = marks[..within].to_vec();
+                if let Some(finer) = state.finer.get_mut(k) {
+                    finer.next_marks = marks[..within].to_vec();
+                }
                 for finer in
                     [&mut state.finer, &mut state.finest].into_iter().filter_map(|all| all.get_mut(k))
                 {
@@ -348,8 +350,9 @@ impl<'a> Run<'a> {
                     state.steps[k].advance(rate, depth, length, &marks, note, &mut self.wear_counts);
                 rate.release();
                 advanced.map_err(|failed| wear_failure(&self.scene.joints[scene_joint], from, failed))?;
-                state.finer[k].next_marked =
-                    marked[..within].iter().map(|joints| joints[scene_joint]).collect();
+                if let Some(finer) = state.finer.get_mut(k) {
+                    finer.next_marked = marked[..within].iter().map(|joints| joints[scene_joint]).collect();
+                }
                 let surfaces = depth.split_at(pair.first_depths());
                 if let Some((depth, wall)) = worn_through(self.scene, scene_joint, surfaces.into()) {
                     let joint = self.scene.joints[scene_joint].name.clone();

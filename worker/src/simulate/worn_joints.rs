@@ -45,8 +45,10 @@ impl Run<'_> {
         for (index, state) in self.islands.iter_mut().enumerate() {
             let IslandState { island, recorder, finer, rates, depth, .. } = state;
             let histories = wear_histories(&self.mixed, &self.quasi_static, recorder, index);
-            for (k, _) in island.pairs().enumerate().filter(|(_, pair)| pair.wears()) {
-                finer[k].freeze(&histories[k], 0.0, rates[k].sizes().amounts(&depth[k]));
+            for (k, (pair, finer)) in island.pairs().zip(finer).enumerate() {
+                if pair.wears() {
+                    finer.freeze(&histories[k], 0.0, rates[k].sizes().amounts(&depth[k]));
+                }
             }
             state.wear_copies();
         }

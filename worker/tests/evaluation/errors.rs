@@ -25,6 +25,14 @@ fn stated_errors_cover_the_true_ones_and_are_not_idle() {
                 assert!(stated < 0.07 * value.abs(), "{} at {life}: {value} +- {stated}", output.name);
             }
         }
+        // Without the copies beside the wear the values are the same, and the stated errors are those of the time steps.
+        let of_steps = Accuracy { wear_error: false, ..accuracy };
+        let without = simulate(&scene, &of_steps, SimulateOptions::default()).expect("simulated");
+        assert_eq!(without.histories, e.histories);
+        let errors = || without.errors.iter().flatten().zip(e.errors.iter().flatten());
+        assert!(errors().all(|(part, whole)| 0.0 < *part && 3.0 * part < *whole), "{:?}", without.errors);
+        let nominal = simulate(&scene, &of_steps, SimulateOptions::WITH_FIRST_CYCLE).expect("simulated");
+        assert_eq!((nominal.histories, nominal.errors), (e.histories, e.errors));
     }
 }
 

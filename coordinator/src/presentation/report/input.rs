@@ -126,7 +126,10 @@ impl ReportInput {
                 Ok(evaluation) => {
                     let place = evaluation.cycles.iter().position(|at| Some(*at) == cycles);
                     let errors = evaluation.errors.iter().filter_map(|errors| errors.get(place?));
-                    stated.iter_mut().zip(errors).for_each(|(all, error)| all.push(*error));
+                    // The nominal simulation alone states all of its error where finer levels measure it.
+                    if stored.id > 0 || input.summary.levels.is_none() {
+                        stated.iter_mut().zip(errors).for_each(|(all, error)| all.push(*error));
+                    }
                     input.samples.push((stored.sample, failures_of(scene, &evaluation)));
                     if stored.id == 0 {
                         input.notes.extend(cautions(scene, &evaluation));

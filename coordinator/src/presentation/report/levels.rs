@@ -74,8 +74,12 @@ pub fn parts_and_levels(summary: &StudySummary) -> Vec<String> {
         let third = if thirds > 0 { format!(", {thirds} of them at a third one") } else { String::new() };
         let found = joined(levels.differences.iter().map(difference), ", ");
         lines.push(if found.is_empty() {
-            "levels: too few pairs gave a result; the numerical error is the one that simulations state"
-                .to_owned()
+            let known = if summary.of_mechanism() {
+                "of the numerical error the intervals contain that of the time steps alone; one level, `--levels`, has all of it stated"
+            } else {
+                "the numerical error is the one that simulations state"
+            };
+            format!("levels: too few pairs gave a result; {known}")
         } else {
             format!(
                 "levels: results corrected by {pairs} pairs at a finer level{third}, at the limit {found}"
@@ -125,11 +129,23 @@ pub fn sentences(input: &ReportInput) -> Vec<String> {
     if sizes.is_empty() {
         return vec![];
     }
+    let states = match (input.summary.of_mechanism(), &input.summary.levels) {
+        (true, Some(_)) => {
+            "Every simulation states the error of its outputs by time steps; that by wear steps, blocks and control points is left to \
+             the finer levels."
+        }
+        (true, None) => {
+            "Every simulation states the numerical error of its outputs, estimated from its time and wear steps; the true error should \
+             be less than twice the stated one in 95 % of cases."
+        }
+        (false, _) => {
+            "Every simulation states the numerical error of its outputs; the true error should be less than twice the stated one in \
+             95 % of cases."
+        }
+    };
+    let cycles = count(row.cycles.into());
     let mut text = vec![format!(
-        "Every simulation states the numerical error of its outputs{}; the true error should be less than twice the stated \
-         one in 95 % of cases. Typical and largest stated error at {} cycles, as a share of the limit: {sizes}.",
-        if input.summary.of_mechanism() { ", estimated from its time and wear steps" } else { "" },
-        count(row.cycles.into())
+        "{states} Typical and largest stated error at {cycles} cycles, as a share of the limit: {sizes}."
     )];
     text.push(
         if input.summary.levels.is_some() {
@@ -230,6 +246,13 @@ mod tests {
         assert!(text.contains("angular velocity difference 0.4 %, at most 0.4 %"), "{text}");
         assert!(text.contains("off by its stated error in the same direction"), "{text}");
         assert!(text.contains("5.0 % for wear"), "{text}");
+        let mut with_levels = input.clone();
+        with_levels.summary.levels = Some(LevelsRow::default());
+        let text = sentences(&with_levels).join(" ");
+        assert!(
+            text.contains("is left to the finer levels. Typical") && !text.contains("95 % of cases"),
+            "{text}"
+        );
         let mut silent = input.clone();
         silent.stated.clear();
         assert!(sentences(&silent).is_empty());
