@@ -188,7 +188,7 @@ pub struct MethodArguments {
     #[arg(long, value_parser = word_or_auto::<Trend>(&Trend::NAMES))]
     pub trend: Option<OrAuto<Trend>>,
     /// Noise of the surrogates from the stated numerical errors: ignored, their shape with a fitted level, or taken in
-    /// full as standard deviations (ak) [default: fitted]
+    /// full as standard deviations (ak) [default: ignored with levels, else fitted]
     #[arg(long, value_parser = word::<StatedErrors>(StatedErrors::NAMES))]
     pub stated_errors: Option<StatedErrors>,
     /// Memory for the population and its cached predictions [MB]; a smaller one costs time (ak) [default: 2000]
@@ -289,7 +289,7 @@ impl RunArguments {
         replace(&mut settings.learning, method.learning);
         replace(&mut settings.forms.kernel, method.kernel);
         replace(&mut settings.forms.trend, method.trend);
-        replace(&mut settings.stated_errors, method.stated_errors);
+        settings.stated_errors = method.stated_errors.unwrap_or_else(|| settings.default_noise(scene));
         replace(&mut settings.memory, method.memory);
         settings.target_error = method.target_error.or(settings.target_error);
         settings

@@ -153,16 +153,16 @@ impl<'a> PairedCampaign<'a> {
         let level_cost = self.scene.simulator.as_ref().map_or(HALVED_COST, |simulator| simulator.level_cost);
         let gains = [of_pairs / paired as f64, of_thirds / (level_cost * thirds as f64)];
         let has_more = self.simulated.iter().any(|one| one.finer[0].is_some() && !one.requested[1]);
-        let (level, count) =
-            if thirds > 0 && has_more && gains[1] > gains[0] { (2, NEXT_THIRD) } else { (1, NEXT) };
         let cost = |pairs: usize, thirds: usize| level_cost * (pairs as f64 + level_cost * thirds as f64);
-        let spent = cost(paired, thirds) + if level == 1 { cost(count, 0) } else { cost(0, count) };
         let is_wide = self.target != PairedModel::Variant && of_pairs + of_thirds > WIDE * WIDE;
         let most = if is_wide { MOST.max(level_cost.powi(self.finer as i32) - 1.0) } else { MOST };
-        if spent > most * self.simulated.len() as f64 {
-            return vec![];
-        }
-        at(self.farthest_points(count, level - 1), level).collect()
+        let is_within = |further: f64| cost(paired, thirds) + further <= most * self.simulated.len() as f64;
+        // The chunk that gains more, if it is not too much, or the other one.
+        let pairs = (of_pairs > 0.0 && is_within(cost(NEXT, 0))).then_some((gains[0], 1, NEXT));
+        let further = thirds > 0 && has_more && is_within(cost(0, NEXT_THIRD));
+        let further = further.then_some((gains[1], 2, NEXT_THIRD));
+        let chosen = [further, pairs].into_iter().flatten().max_by(|a, b| a.0.total_cmp(&b.0));
+        chosen.map_or(vec![], |(_, level, count)| at(self.farthest_points(count, level - 1), level).collect())
     }
 
     /// Simulations with results at `level`, 0 for the working accuracy, that are requested at no finer one: the nominal one first, then those

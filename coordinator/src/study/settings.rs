@@ -140,7 +140,8 @@ impl From<&Scene> for Settings {
             levels.unwrap_or_else(|_| (scene.accuracy.clone(), FinerLevels::Halved))
         };
         let accuracy = StudyAccuracy { setting, max_error: None };
-        Self { accuracy, levels, ..Self::from(scene.study) }
+        let settings = Self { accuracy, levels, ..Self::from(scene.study) };
+        Self { stated_errors: settings.default_noise(scene), ..settings }
     }
 }
 
@@ -219,11 +220,17 @@ impl Settings {
         repeats.then(|| self.evaluated(scene).refined(STRICTER))
     }
 
-    /// The working accuracy as the tasks have it: where finer levels measure the numerical error, simulations need not estimate that of
-    /// wear and control points, which takes a third of their time and more, unless it is wanted as noise.
+    /// Use of the stated errors unless one is asked for: none where finer levels measure the numerical error of a mechanism, nor as published.
+    pub fn default_noise(&self, scene: &Scene) -> StatedErrors {
+        let is_measured = scene.simulator.is_none() && !self.finer_levels(scene).is_empty();
+        if is_measured || self.method == Method::AkMcs { StatedErrors::Ignored } else { StatedErrors::Fitted }
+    }
+
+    /// The working accuracy as the tasks have it: the error of wear and control points, a part of the work, is left to finer levels that
+    /// measure it, unless it is used as noise.
     pub fn evaluated(&self, scene: &Scene) -> Accuracy {
-        let measured = !self.finer_levels(scene).is_empty() && self.stated_errors != StatedErrors::Full;
-        Accuracy { wear_error: !measured, ..self.accuracy.setting.accuracy }
+        let wear_error = self.stated_errors != StatedErrors::Ignored || self.finer_levels(scene).is_empty();
+        Accuracy { wear_error, ..self.accuracy.setting.accuracy }
     }
 
     /// Bound on evaluations; direct simulation adds the nominal point to its samples.
@@ -366,15 +373,6 @@ mod tests {
     }
 
     #[test]
-    fn method_names_are_read_back() {
-        Method::ALL.iter().for_each(|method| assert_eq!(method.name().parse(), Ok(*method)));
-    }
-
-    fn named(names: &[&str]) -> Vec<NamedAccuracy> {
-        names.iter().map(|name| name.parse().expect(name)).collect()
-    }
-
-    #[test]
     fn finer_levels_follow_the_working_accuracy_unless_they_are_named() {
         let source = SceneSource::builtin("four-bar").unwrap();
         let scene = source.nominal();
@@ -384,7 +382,8 @@ mod tests {
         assert_eq!((finer.accuracy.cycle_jump, finer.accuracy.points), (4000, 2));
         assert!(!settings.evaluated(scene).wear_error);
         assert_eq!((finest.accuracy.cycle_jump, finest.accuracy.points), (2000, 4));
-        let levels = named(&["draft", "balanced", "reference"]);
+        let levels: [NamedAccuracy; 3] =
+            ["draft", "balanced", "reference"].map(|name| name.parse().expect(name));
         let (working, finer) = FinerLevels::of_names(&levels).unwrap();
         let stored = serde_json::to_string(&finer).unwrap();
         assert_eq!(serde_json::from_str::<FinerLevels>(&stored).unwrap(), finer);
