@@ -219,22 +219,22 @@ impl<'a> PairedCampaign<'a> {
         let errors = assessment.combined_errors();
         let of_surrogates = REACH * errors.last()?.iter().map(|(_, error)| *error).fold(0.0, f64::max);
         let points = self.campaign.classified.population.len();
-        let deviations: Vec<Vec<f64>> = (0..assessment.modes.len())
-            .map(|s| (0..points).map(|j| deviation(s, j)).collect::<Vec<f64>>())
-            .collect();
+        let modes = 0..assessment.modes.len();
+        let deviations = |j| modes.clone().map(|s| deviation(s, j)).collect::<Vec<f64>>();
+        let deviations: Vec<Vec<f64>> = (0..points).map(deviations).collect();
         // Half the share of the population whose failure depends on the sign of the reaches, at the worst checkpoint, for each of them.
         let mut moved = [0.0_f64; 3];
         for (n, checkpoint) in assessment.grid.iter().enumerate() {
             let reach = |limit: &LimitState| correction.reaches(limit.output, *checkpoint, limit.threshold);
             let reaches: Vec<(f64, [f64; 3])> = self.scene.limit_states.iter().map(reach).collect();
             let mut shifted = [0_u32; 3];
-            for j in 0..points {
+            for (j, deviations) in deviations.iter().enumerate() {
                 // Largest distances beyond a limit with all responses shifted by the reaches to the safe and to the unsafe side.
                 let mut beyond = [[f64::NEG_INFINITY; 2]; 3];
                 for (s, mode) in assessment.modes.iter().enumerate() {
                     let std = mode.sigma[n] * mode.variance_factor[j].max(0.0).sqrt();
                     let ((correction, reaches), scale) = (reaches[s], assessment.surrogates[s].scale);
-                    let value = scale.value(mode.means_of(j)[n] + std * deviations[s][j]);
+                    let value = scale.value(mode.means_of(j)[n] + std * deviations[s]);
                     let distance = value + correction - scale.value(mode.threshold);
                     for (beyond, reach) in beyond.iter_mut().zip(reaches) {
                         *beyond = [beyond[0].max(distance - reach), beyond[1].max(distance + reach)];

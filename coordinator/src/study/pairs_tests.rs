@@ -103,6 +103,22 @@ fn levels_that_disagree_widen_the_interval() {
 }
 
 #[test]
+fn pairs_go_on_until_the_interval_is_narrow_enough() {
+    // A tenth of the roughness of the test before: six pairs suffice for a wide interval, but not for the default one.
+    let error = |level: u8, sample: &[f64], y: f64| {
+        if level == 0 { 0.0 } else { 0.003 * y * noise(level, sample) }
+    };
+    let settings = Settings { samples: 40_000, ..settings() };
+    let wide = Settings { target_error: Some(0.06), ..settings.clone() };
+    let [(few, wide), (more, narrow)] = [wide, settings].map(|settings| {
+        let (found, _) = study(&settings, 2, error);
+        let (_, [lower, upper], ..) = at_the_fall(&settings, &found);
+        (found.summary.levels.unwrap().pairs[0], upper - lower)
+    });
+    assert!(few == 6 && more > few && narrow < wide, "{few} {more} {narrow} {wide}");
+}
+
+#[test]
 fn an_exact_finest_level_that_differs_by_a_function_of_the_variables_is_followed() {
     let text = "scene = { name = \"levels\" }\n\
         simulator = { program = [\"closure\"], levels = [\"coarse\", \"fine\"], finest_is_exact = true }\n\

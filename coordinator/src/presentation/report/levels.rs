@@ -129,12 +129,14 @@ pub fn sentences(input: &ReportInput) -> Vec<String> {
     if sizes.is_empty() {
         return vec![];
     }
-    let states = match (input.summary.of_mechanism(), &input.summary.levels) {
-        (true, Some(_)) => {
-            "Every simulation states the error of its outputs by time steps; that by wear steps, blocks and control points is left to \
-             the finer levels."
+    // All of the error is the shape of a noise, or a part of it is stated.
+    let as_noise = input.summary.surrogates.iter().any(|one| one.share_of_stated_error.is_some());
+    let states = match (input.summary.of_mechanism(), input.summary.levels.is_some() && !as_noise) {
+        (true, true) => {
+            "Every simulation but the nominal one states the error of its outputs by time steps alone; that by wear steps, blocks and \
+             control points is left to the finer levels."
         }
-        (true, None) => {
+        (true, false) => {
             "Every simulation states the numerical error of its outputs, estimated from its time and wear steps; the true error should \
              be less than twice the stated one in 95 % of cases."
         }
@@ -248,6 +250,7 @@ mod tests {
         assert!(text.contains("5.0 % for wear"), "{text}");
         let mut with_levels = input.clone();
         with_levels.summary.levels = Some(LevelsRow::default());
+        with_levels.summary.surrogates.clear();
         let text = sentences(&with_levels).join(" ");
         assert!(
             text.contains("is left to the finer levels. Typical") && !text.contains("95 % of cases"),
