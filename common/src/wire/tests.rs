@@ -2,7 +2,7 @@
 
 use super::codec::{Encoded, HEADER};
 use super::*;
-use crate::accuracy::{Accuracy, Tier};
+use crate::accuracy::Accuracy;
 use crate::external::SimulatorId;
 use crate::failure::SimulationFailure;
 use crate::outputs::{BodyMotion, BodyTrace, CycleHistory, Diagnostics, Evaluation, JointSummary, WornLife};
@@ -185,9 +185,8 @@ fn accuracy(x: f64) -> Accuracy {
         cycle_jump: 1000,
         wear_tolerance: 0.01,
         warm_up: 0.5,
-        tier: Tier::Dynamic,
         points: 2,
-        wear_error: true,
+        ..Accuracy::reference()
     }
 }
 

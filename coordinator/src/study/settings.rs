@@ -316,7 +316,7 @@ mod tests {
     use common::scene::SceneSource;
 
     /// Settings as campaign files have held them since target errors were introduced.
-    const STORED: &str = r#"{"method":"ak","accuracy":ACCURACY,"samples":4000,"initial":16,"batch":12,"max_evaluations":40,"seed":3,"stated_errors":"fitted","learning":"gain","kernel":"matern52","trend":"auto","max_failed":0.2,"target_error":null,"levels":"halved"}"#;
+    const STORED: &str = r#"{"method":"ak","accuracy":ACCURACY,"samples":4000,"initial":16,"batch":12,"max_evaluations":40,"seed":3,"stated_errors":"ignored","learning":"gain","kernel":"matern52","trend":"auto","max_failed":0.2,"target_error":null,"levels":"halved"}"#;
 
     fn settings() -> Settings {
         let source = SceneSource::builtin("four-bar").unwrap();

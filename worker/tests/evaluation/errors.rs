@@ -30,7 +30,8 @@ fn stated_errors_cover_the_true_ones_and_are_not_idle() {
         let without = simulate(&scene, &of_steps, SimulateOptions::default()).expect("simulated");
         assert_eq!(without.histories, e.histories);
         let errors = || without.errors.iter().flatten().zip(e.errors.iter().flatten());
-        assert!(errors().all(|(part, whole)| 0.0 < *part && 3.0 * part < *whole), "{:?}", without.errors);
+        assert!(errors().all(|(part, whole)| 0.0 < *part && part <= whole), "{:?}", without.errors);
+        assert!(errors().any(|(part, whole)| 3.0 * part < *whole), "{:?}", without.errors);
         let nominal = simulate(&scene, &of_steps, SimulateOptions::WITH_FIRST_CYCLE).expect("simulated");
         assert_eq!((nominal.histories, nominal.errors), (e.histories, e.errors));
     }
