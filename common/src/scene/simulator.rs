@@ -26,8 +26,8 @@ use toml::{Table, Value};
 const TIMEOUT: f64 = 600.0;
 /// Default of the name of a model, as is customary for UM-Bridge servers.
 const USUAL_MODEL: &str = "forward";
-/// Cost of an evaluation over that of one at the next coarser level [1]: half the time steps and half the blocks. Measured at the drive:
-/// 2.2 to 4.1 (`wall_s` of `campaign.db`).
+/// Cost of an evaluation over that of one at the next coarser level of a simulator, unless its scene names it [1]: half of every length in two
+/// directions.
 const LEVEL_COST: f64 = 4.0;
 /// The file with the request in the working folder of an evaluation.
 pub const REQUEST_FILE: &str = "request.json";

@@ -337,6 +337,7 @@ mod tests {
     fn stored_settings_are_read_to_the_last_bit() {
         let stored = serde_json::to_string(&settings()).unwrap();
         assert_eq!(read(&stored), settings());
+        Method::ALL.iter().for_each(|method| assert_eq!(method.name().parse(), Ok(*method)));
         // A name that stands for another accuracy by now does not change a study.
         let other = read(&stored.replace("\"cycle_jump\":8000", "\"cycle_jump\":4001"));
         assert_eq!(other.accuracy.setting.accuracy.cycle_jump, 4001);

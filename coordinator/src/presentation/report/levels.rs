@@ -74,7 +74,7 @@ pub fn parts_and_levels(summary: &StudySummary) -> Vec<String> {
         let third = if thirds > 0 { format!(", {thirds} of them at a third one") } else { String::new() };
         let found = joined(levels.differences.iter().map(difference), ", ");
         lines.push(if found.is_empty() {
-            let known = if summary.of_mechanism() {
+            let known = if leaves_errors_to_levels(summary) {
                 "of the numerical error the intervals contain that of the time steps alone; one level, `--levels`, has all of it stated"
             } else {
                 "the numerical error is the one that simulations state"
@@ -117,6 +117,12 @@ pub fn table_of_levels(summary: &StudySummary) -> Markup {
     )
 }
 
+/// True if simulations state a part of their error alone: of mechanisms with levels, unless all of it is the shape of a noise.
+fn leaves_errors_to_levels(summary: &StudySummary) -> bool {
+    let as_noise = summary.surrogates.iter().any(|one| one.share_of_stated_error.is_some());
+    summary.of_mechanism() && summary.levels.is_some() && !as_noise
+}
+
 /// Meaning and size of the stated errors, and their place in the intervals; empty if no evaluation states errors.
 pub fn sentences(input: &ReportInput) -> Vec<String> {
     let Some(row) = governing(&input.summary) else { return vec![] };
@@ -129,9 +135,7 @@ pub fn sentences(input: &ReportInput) -> Vec<String> {
     if sizes.is_empty() {
         return vec![];
     }
-    // All of the error is the shape of a noise, or a part of it is stated.
-    let as_noise = input.summary.surrogates.iter().any(|one| one.share_of_stated_error.is_some());
-    let states = match (input.summary.of_mechanism(), input.summary.levels.is_some() && !as_noise) {
+    let states = match (input.summary.of_mechanism(), leaves_errors_to_levels(&input.summary)) {
         (true, true) => {
             "Every simulation but the nominal one states the error of its outputs by time steps alone; that by wear steps, blocks and \
              control points is left to the finer levels."
