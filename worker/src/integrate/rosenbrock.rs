@@ -77,19 +77,19 @@ struct Start<'a, R> {
 }
 
 /// The matrix of a step and its first stage; zero where the matrix is as good as singular, else one.
-struct First<'a, R, L> {
+struct FirstStage<'a, R, L> {
     scheme: &'a mut Rosenbrock<R>,
     layout: L,
     mass: &'a [R],
     start: &'a Start<'a, R>,
 }
 
-impl<R: Real, L: Layout> Vectorised for First<'_, R, L> {
+impl<R: Real, L: Layout> Vectorised for FirstStage<'_, R, L> {
     type Output = R;
 
     #[inline(always)]
     fn run(self) -> R {
-        let First { scheme, layout, mass, start } = self;
+        let FirstStage { scheme, layout, mass, start } = self;
         let sound = scheme.factor(layout, mass, start);
         scheme.solve_stage::<_, 0>(0, layout, mass, start);
         sound
@@ -97,7 +97,7 @@ impl<R: Real, L: Layout> Vectorised for First<'_, R, L> {
 }
 
 /// The second or third stage.
-struct Inner<'a, R, L> {
+struct InnerStage<'a, R, L> {
     scheme: &'a mut Rosenbrock<R>,
     stage: usize,
     layout: L,
@@ -105,7 +105,7 @@ struct Inner<'a, R, L> {
     start: &'a Start<'a, R>,
 }
 
-impl<R: Real, L: Layout> Vectorised for Inner<'_, R, L> {
+impl<R: Real, L: Layout> Vectorised for InnerStage<'_, R, L> {
     type Output = ();
 
     #[inline(always)]
@@ -115,19 +115,19 @@ impl<R: Real, L: Layout> Vectorised for Inner<'_, R, L> {
 }
 
 /// The fourth stage and the end of the step.
-struct Last<'a, R, L> {
+struct LastStage<'a, R, L> {
     scheme: &'a mut Rosenbrock<R>,
     layout: L,
     mass: &'a [R],
     start: &'a Start<'a, R>,
 }
 
-impl<R: Real, L: Layout> Vectorised for Last<'_, R, L> {
+impl<R: Real, L: Layout> Vectorised for LastStage<'_, R, L> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let Last { scheme, layout, mass, start } = self;
+        let LastStage { scheme, layout, mass, start } = self;
         scheme.solve_stage::<_, 3>(3, layout, mass, start);
         scheme.combine_stages(layout, mass, start);
     }
@@ -167,14 +167,14 @@ impl<R: Real> Rosenbrock<R> {
     ) -> R {
         let band = at.band;
         let start = Start { at, h, per_h: h.like(1.0) / h, q, v };
-        let sound = with_layout!(band, layout => h.apart(First { scheme: self, layout, mass: system.mass(), start: &start }));
+        let sound = with_layout!(band, layout => h.apart(FirstStage { scheme: self, layout, mass: system.mass(), start: &start }));
         // A loop the compiler cannot unroll: the force is inlined once, and the code of a step stays small.
         for stage in 1..std::hint::black_box(3) {
             with_layout!(band, layout => self.stage_state(stage, layout, &start));
             system.force(t.plus_product(h, h.like(NODE[stage])), &self.q, &self.v, &mut self.f);
-            with_layout!(band, layout => h.apart(Inner { scheme: self, stage, layout, mass: system.mass(), start: &start }));
+            with_layout!(band, layout => h.apart(InnerStage { scheme: self, stage, layout, mass: system.mass(), start: &start }));
         }
-        with_layout!(band, layout => h.apart(Last { scheme: self, layout, mass: system.mass(), start: &start }));
+        with_layout!(band, layout => h.apart(LastStage { scheme: self, layout, mass: system.mass(), start: &start }));
         sound
     }
 
