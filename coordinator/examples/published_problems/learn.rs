@@ -2,7 +2,7 @@
 
 use super::problems::PublishedProblem;
 use coordinator::statistics::design::InputModel;
-use coordinator::statistics::learning::Mode;
+use coordinator::statistics::learning::{Mode, StoppingTargets};
 use coordinator::statistics::surrogate::StatedErrors;
 use coordinator::study::{
     Campaign, CampaignError, CampaignResult, ClassifiedPopulation, LARGEST_POPULATION, Observed, Plan,
@@ -33,7 +33,11 @@ pub struct Run {
 ///
 /// # Errors
 /// [`CampaignError`].
-pub fn learn(problem: &PublishedProblem, settings: Settings) -> Result<Run, CampaignError> {
+pub fn learn(
+    problem: &PublishedProblem,
+    settings: Settings,
+    targets: StoppingTargets,
+) -> Result<Run, CampaignError> {
     let started = Instant::now();
     let (modes, m) = problem.shape;
     let settings = Settings {
@@ -43,7 +47,7 @@ pub fn learn(problem: &PublishedProblem, settings: Settings) -> Result<Run, Camp
         ..settings
     };
     let plan = Plan {
-        targets: settings.targets(),
+        targets,
         largest_population: settings.samples.max(LARGEST_POPULATION),
         retry: false,
         is_exact: true,
