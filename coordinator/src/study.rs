@@ -106,7 +106,8 @@ use correction::add_levels;
 use dispatching::Dispatcher;
 use monte_carlo::DirectSimulation;
 use pairs::PairedCampaign;
-use result::from_learning;
+use result::{failures, from_learning};
+use stopped::note_whole_interval;
 
 /// Runs a study of `scene` to its end: evaluations by `evaluator`, recorded in `journal`, reported to `observer`.
 ///
@@ -135,10 +136,12 @@ pub fn run(
             dispatcher.run(evaluator, &mut campaign)?;
             dispatcher.observer.notice(&Progress::Ending);
             let finished = campaign.finish();
-            let (learned, correction, counts) =
+            let (learned, correction, evaluations, failed) =
                 finished.expect("a campaign that is done has learned something");
             let mut findings = from_learning(scene, settings, &learned);
-            let (n, pairs) = (learned.assessment.governing, (correction.as_ref(), counts));
+            let inputs = &learned.classified.population.inputs;
+            let failed = failures(scene, inputs, &failed, 0.0).simulations;
+            let (n, pairs) = (learned.assessment.governing, (correction.as_ref(), evaluations, failed));
             add_levels(&mut findings.summary, scene, settings, n, pairs);
             findings
         }
@@ -150,7 +153,8 @@ pub fn run(
         }
     };
     dispatcher.end()?;
-    let result = findings.result(scene, dispatcher.timing(), dispatcher.shares());
+    let mut result = findings.result(scene, dispatcher.timing(), dispatcher.shares());
+    note_whole_interval(&mut result.summary, settings);
     let failures = result.summary.reliability.iter().any(|row| row.reliability["total"] < 1.0);
     if settings.method.learns() && !failures {
         dispatcher.observer.notice(&Progress::Warning(format!(

@@ -8,47 +8,18 @@
 //! cargo run --release -p coordinator --example published_problems -- --seeds 3 --without hold
 //! ```
 
+mod addition;
 mod learn;
 mod problems;
 mod table;
 
-use clap::{Parser, ValueEnum};
-use coordinator::statistics::learning::{LearningFunction, StoppingTargets};
-use coordinator::statistics::surrogate::{FormSettings, Kernel, Trend};
+use addition::Addition;
+use clap::Parser;
+use coordinator::statistics::learning::LearningFunction;
 use coordinator::study::Settings;
 use problems::{PublishedProblem, published_problems};
 use std::error::Error;
 use table::{Row, markdown, row};
-
-/// An addition of this project to the published learning.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Addition {
-    /// Results over which a rule must hold, of which three of four explore.
-    Hold,
-    /// The stop by the estimated error.
-    ErrorRule,
-    /// The linear trend, where cross-validation prefers it.
-    Trend,
-    /// The Matern kernels, where cross-validation prefers one.
-    Kernel,
-    /// The learning function that lowers the estimated error, in the place of U.
-    Gain,
-}
-
-impl Addition {
-    /// The settings and targets without it.
-    fn leave_out(self, settings: &mut Settings, targets: &mut StoppingTargets) {
-        match self {
-            Self::Hold => *targets = StoppingTargets { hold: 1, hold_points: 0, ..*targets },
-            Self::ErrorRule => targets.error = 0.0,
-            Self::Trend => settings.forms = FormSettings { trend: Some(Trend::Constant), ..settings.forms },
-            Self::Kernel => {
-                settings.forms = FormSettings { kernel: Some(Kernel::Gaussian), ..settings.forms }
-            }
-            Self::Gain => settings.learning = LearningFunction::U,
-        }
-    }
-}
 
 /// Learn published problems of known failure probability, over several seeds
 #[derive(Debug, Parser)]
@@ -65,7 +36,7 @@ struct Arguments {
     /// Evaluations under way at once
     #[arg(long, default_value = "1", value_name = "N")]
     batch: usize,
-    /// Learning function: gain, u, eff or h
+    /// Learning function: gain or u
     #[arg(long, default_value_t)]
     learning: LearningFunction,
     /// Half width of the 95 % interval of any R at which learning may stop, e.g. 0.0125 [default: a surrogate error of 0.006]
@@ -93,10 +64,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 seed,
                 ..Settings::default()
             };
-            let mut targets = settings.targets();
-            if let Some(addition) = arguments.without {
-                addition.leave_out(&mut settings, &mut targets);
-            }
+            let targets = addition::leave_out(arguments.without, &mut settings);
             let run = learn::learn(&problem, settings, targets)?;
             eprintln!(
                 "{} seed {seed}: {} calls, Pf {:.4e} +- {:.1e} (reference {:.4e}), {} of {} points misclassified, {:?}, {:.1} s",

@@ -4,7 +4,7 @@ use super::known_lives::LifeComparison;
 use super::problem::{Class, RandomProblem};
 use super::truth::Truth;
 use coordinator::statistics::design::InputModel;
-use coordinator::statistics::learning::Mode;
+use coordinator::statistics::learning::{Mode, StoppingTargets};
 use coordinator::study::{
     Campaign, CampaignError, CampaignResult, LARGEST_POPULATION, Plan, Problem, Settings, StopReason,
 };
@@ -78,14 +78,14 @@ pub struct Run {
 pub fn learn(
     problem: &RandomProblem,
     truth: &Truth,
-    settings: Settings,
+    (settings, targets): (Settings, StoppingTargets),
     trace: bool,
 ) -> Result<Run, CampaignError> {
     let started = Instant::now();
     let m = problem.checkpoints();
     let modes = problem.modes.len();
     let plan = Plan {
-        targets: settings.targets(),
+        targets,
         largest_population: settings.samples.max(LARGEST_POPULATION),
         retry: false,
         is_exact: true,

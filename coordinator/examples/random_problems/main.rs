@@ -5,7 +5,7 @@
 //! ```sh
 //! cargo run --release -p coordinator --example random_problems -- --half settle --samples 20000
 //! cargo run --release -p coordinator --example random_problems -- --half report --class islands --csv islands.csv
-//! cargo run --release -p coordinator --example random_problems -- --family bulk
+//! cargo run --release -p coordinator --example random_problems -- --family bulk --without hold
 //! cargo run --release -p coordinator --example random_problems -- --family lives --count 60
 //! ```
 //!
@@ -13,6 +13,8 @@
 //! 0.1. The family `lives` has wear over 20 to 60 checkpoints; a second table tells in how many problems the true lives at
 //! R = 0.99, 0.9 and 0.5 lie within the lives read from the limits of R(n).
 
+#[path = "../published_problems/addition.rs"]
+mod addition;
 mod bulk;
 mod course;
 mod draw;
@@ -27,6 +29,7 @@ mod response;
 mod table;
 mod truth;
 
+use addition::Addition;
 use clap::{Parser, ValueEnum};
 use coordinator::study::Settings;
 use family::Family;
@@ -75,6 +78,9 @@ struct Arguments {
     /// Write one line per problem to this file
     #[arg(long, value_name = "FILE")]
     csv: Option<String>,
+    /// Addition to the published learning that is left out
+    #[arg(long, value_enum)]
+    without: Option<Addition>,
     /// Write every simulation and round to standard error
     #[arg(long)]
     trace: bool,
@@ -114,8 +120,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         let defaults = Settings::for_variables(problem.dimension());
         let samples = arguments.samples.unwrap_or(defaults.samples);
-        let settings = Settings { samples, seed: index + 1, ..defaults };
-        let run = learn::learn(&problem, &truth, settings, arguments.trace)?;
+        let mut settings = Settings { samples, seed: index + 1, ..defaults };
+        let targets = addition::leave_out(arguments.without, &mut settings);
+        let run = learn::learn(&problem, &truth, (settings, targets), arguments.trace)?;
         let lives = if has_lives { lives_table::columns(&run) } else { String::new() };
         write(&format!("{}{lives}", table::line(&run)))?;
         runs.push(run);

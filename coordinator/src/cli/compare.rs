@@ -8,6 +8,7 @@ use common::scene::SceneSource;
 use coordinator::analyses::scene_difference::{DifferingKey, differing_keys};
 use coordinator::presentation::report::compare::{ComparedStudy, answer, change_between, check};
 use coordinator::results::store::CampaignFile;
+use coordinator::results::summary::StudySummary;
 use coordinator::study::LEVELS;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -37,8 +38,11 @@ pub fn compare(arguments: &CompareArguments, as_json: bool) -> Done {
     let scenes: Vec<SceneSource> =
         arguments.dirs.iter().map(|dir| scene_of(&CampaignFile::look(dir)?)).collect::<Result<_, _>>()?;
     let mut differing = differing_keys(&scenes.iter().collect::<Vec<_>>());
-    let accuracies: Vec<Option<String>> =
-        studies.iter().map(|study| Some(study.summary.accuracy.clone())).collect();
+    let levels = |summary: &StudySummary| match &summary.levels {
+        Some(levels) => levels.names.join(", "),
+        None => summary.accuracy.clone(),
+    };
+    let accuracies: Vec<Option<String>> = studies.iter().map(|study| Some(levels(&study.summary))).collect();
     if accuracies.iter().any(|accuracy| *accuracy != accuracies[0]) {
         differing.insert(0, DifferingKey { key: "accuracy of the study".to_owned(), values: accuracies });
     }

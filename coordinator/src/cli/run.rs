@@ -68,7 +68,7 @@ pub fn run(scene: &str, arguments: &RunArguments, verbosity: Verbosity) -> Done 
     let mut settings = arguments.settings(scene);
     let idle = arguments.method.without_effect().join(", ");
     if !idle.is_empty() {
-        let why = if settings.method.learns() { "has no such rule" } else { "simulates --samples" };
+        let why = if settings.method.learns() { "prescribes or lacks them" } else { "simulates --samples" };
         tracing::warn!("no effect with --method {}, which {why}: {idle}", settings.method.name());
     }
     if let Some(path) = &arguments.method.initial_from {

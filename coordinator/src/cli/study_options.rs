@@ -174,7 +174,7 @@ pub struct MethodArguments {
     /// result, so it does not follow the number of workers
     #[arg(long, value_name = "N", value_parser = positive)]
     pub batch: Option<usize>,
-    /// Learning function: the expected gain over all points, U of one point, or U weighted by dominance (ak) [default: gain]
+    /// Learning function: expected gain over all points (ak), U of one point, or U weighted by dominance (ak-mcs) [default: gain, or u]
     #[arg(long, value_parser = word::<LearningFunction>(LearningFunction::NAMES))]
     pub learning: Option<LearningFunction>,
     /// Half width of the whole 95 % interval of every R(n), numerical error included, at which the study may stop (ak) [default: a
@@ -197,7 +197,7 @@ pub struct MethodArguments {
 }
 
 impl MethodArguments {
-    /// The options given that the method does not have: those of surrogates, and of the stopping rule of `ak`.
+    /// The options given that the method does not have: those of surrogates, and of the additions of `ak` to the published method.
     pub fn without_effect(&self) -> Vec<&'static str> {
         let given = [
             ("--initial", self.initial.is_some()),
@@ -211,12 +211,10 @@ impl MethodArguments {
             ("--memory", self.memory.is_some()),
         ];
         let method = self.method.unwrap_or_default();
-        let has = |option| method == Method::ActiveLearning || method.learns() && option != "--target-error";
-        given
-            .into_iter()
-            .filter(|(option, given)| *given && !has(*option))
-            .map(|(option, _)| option)
-            .collect()
+        let added = ["--batch", "--target-error", "--kernel", "--trend", "--stated-errors"];
+        let has = |option| method == Method::ActiveLearning || method.learns() && !added.contains(&option);
+        let idle = given.into_iter().filter(|(option, given)| *given && !has(*option));
+        idle.map(|(option, _)| option).collect()
     }
 }
 
@@ -234,7 +232,9 @@ impl RunArguments {
             return Ok(());
         }
         if scene.simulator.is_some() {
-            return refuse("none with the scene's own simulator, which has no such setting".to_owned());
+            return refuse(
+                "those of the simulator are `levels` of the scene's section [simulator]".to_owned(),
+            );
         }
         match LevelsError::of(&self.levels) {
             Some(error) => refuse(error.to_string()),
@@ -266,7 +266,7 @@ impl RunArguments {
         }
         replace(&mut settings.accuracy.setting, self.accuracy.accuracy.clone());
         settings.accuracy.max_error = self.accuracy.max_error;
-        let method = &self.method;
+        let mut method = self.method.clone();
         settings.method = method.method.unwrap_or_default();
         if settings.method != Method::ActiveLearning && self.levels.is_empty() {
             // Without levels the accuracy of single evaluations counts.
@@ -275,6 +275,7 @@ impl RunArguments {
         }
         if settings.method == Method::AkMcs {
             settings.make_as_published();
+            (method.batch, method.kernel, method.trend, method.stated_errors) = Default::default();
         }
         if !settings.method.learns() {
             // Simulating a whole population would take too long: the budget is the default.
@@ -356,9 +357,8 @@ mod tests {
             ..MethodArguments::default()
         };
         assert_eq!(given(Method::MonteCarlo).without_effect(), ["--initial", "--batch"]);
-        assert!(given(Method::AkMcs).without_effect().is_empty());
         let of_error = MethodArguments { target_error: Some(0.01), ..given(Method::AkMcs) };
-        assert_eq!(of_error.without_effect(), ["--target-error"]);
+        assert_eq!(of_error.without_effect(), ["--batch", "--target-error"]);
     }
 
     #[test]
@@ -394,7 +394,7 @@ mod tests {
     fn direct_simulation_takes_the_budget_for_its_samples() {
         let source = SceneSource::builtin("four-bar").unwrap();
         let method = MethodArguments { method: Some(Method::MonteCarlo), ..Default::default() };
-        let found = RunArguments { method, ..Default::default() }.settings(source.nominal());
-        assert_eq!(found.samples, source.nominal().study.max_evaluations);
+        let found = RunArguments { method, ..Default::default() }.settings(source.nominal()).samples;
+        assert_eq!(found, source.nominal().study.max_evaluations);
     }
 }

@@ -49,21 +49,24 @@ pub fn remaining_time(study: &StudyStatus, rate: Option<f64>) -> Option<(f64, St
     Some((seconds, format!("{bound}{} left", duration(seconds))))
 }
 
-/// R of the system at a checkpoint [cycles] with its standard error, e.g. `R(66 000) = 0.347 ± 0.012 (95 %)`, or P_f where R has no digits
-/// left to show.
+/// What the intervals of rounds are: finer levels are simulated, and stated errors counted, at the end.
+const SO_FAR: &str = "(95 % but for numerical error)";
+
+/// R of the system at a checkpoint [cycles] with its standard error, e.g. `R(66 000) = 0.347 ± 0.012 (95 % but for numerical error)`, or P_f
+/// where R has no digits left to show.
 pub fn reliability_so_far(cycles: u32, r: f64, standard_error: f64) -> String {
     let (pf, width, cycles) = (1.0 - r, REACH * standard_error, count(cycles.into()));
     if pf > 0.0 && pf < 1e-3 {
         let value = share(pf, (pf - width).max(0.0), (pf + width).min(1.0));
-        return format!("P_f({cycles}) = {value} (95 %)");
+        return format!("P_f({cycles}) = {value} {SO_FAR}");
     }
     let value = reliability(r, (r - width).max(0.0), (r + width).min(1.0));
     let equal = if value.starts_with(['>', '<']) { "" } else { "= " };
-    format!("R({cycles}) {equal}{value} (95 %)")
+    format!("R({cycles}) {equal}{value} {SO_FAR}")
 }
 
 /// Evaluations, time left in the study, rate [1/s], surrogate error, R so far and the rest, the most important first, since terminals cut the
-/// end off; e.g. `84/400 evaluations, at most 4 min 03 s left, 1.30/s, error 0.0090, R(66 000) = 0.347 ± 0.012 (95 %), round 2`.
+/// end off; e.g. `84/400 evaluations, at most 4 min 03 s left, 1.30/s, error 0.0090, R(66 000) = 0.347 ± 0.012 (95 % but for numerical error), round 2`.
 pub fn state_of_study(study: &StudyStatus, ending: bool, rate: Option<f64>, error: Option<f64>) -> String {
     let StudyStatus { done, failed, recalled, purpose, reliability, .. } = study;
     let mut parts = vec![format!("{done}/{} evaluations", most_evaluations(study))];
@@ -94,7 +97,7 @@ mod tests {
     #[test]
     fn issue_rare_failures_are_shown_by_their_probability_and_its_error() {
         let rare = reliability_so_far(500, 1.0 - 3.2e-5, 1.886_7e-6);
-        assert_eq!(rare, "P_f(500) = 3.20e\u{2212}5 ± 3.7e\u{2212}6 (95 %)");
+        assert_eq!(rare, "P_f(500) = 3.20e\u{2212}5 ± 3.7e\u{2212}6 (95 % but for numerical error)");
         assert!(reliability_so_far(500, 1.0, 1e-6).starts_with("R(500) "));
     }
 

@@ -262,9 +262,13 @@ mod tests {
         assert_eq!(lines.len(), 9);
         assert_eq!(
             lines[1],
-            "round 1: 132 evaluations, R(66 000) = 0.299 ± 0.044 (95 %), largest change of any R 6.0 %, uncertain 18.6 %, min U 0.180"
+            "round 1: 132 evaluations, R(66 000) = 0.299 ± 0.044 (95 % but for numerical error), largest change of any R 6.0 %, uncertain 18.6 %, min U 0.180"
         );
-        assert!(text.state(seconds(5)).ends_with("± 0.0078 (95 %), round 3"), "{}", text.state(seconds(5)));
+        assert!(
+            text.state(seconds(5)).ends_with("± 0.0078 (95 % but for numerical error), round 3"),
+            "{}",
+            text.state(seconds(5))
+        );
     }
 
     #[test]

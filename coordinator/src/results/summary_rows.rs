@@ -121,6 +121,9 @@ pub struct LevelsRow {
     pub evaluations: usize,
     /// Simulations at finer levels without a result.
     pub failed: usize,
+    /// Cause of the first failure.
+    #[serde(default)]
+    pub cause: Option<String>,
     /// Differences, one row per limit state.
     pub differences: Vec<DifferenceRow>,
 }

@@ -17,7 +17,7 @@
 
 use super::requests::PendingSample;
 use super::{Assessment, Campaign, Settings};
-use crate::statistics::learning::{Classification, LearningFunction, Rule, UNCERTAIN};
+use crate::statistics::learning::{Classification, LearningFunction, UNCERTAIN};
 use crate::statistics::surrogate::{FormSettings, Kernel, StatedErrors, Trend};
 use rayon::prelude::*;
 
@@ -60,12 +60,10 @@ impl Campaign {
         chosen
     }
 
-    /// The rule by which learning ends, if it is met.
-    pub(super) fn met_as_published(&self, assessment: &Assessment) -> Option<Rule> {
-        let is_certain = |mode: &Classification| {
-            least_u(mode, &self.requests.requested).is_none_or(|(_, u)| u >= UNCERTAIN)
-        };
-        assessment.modes.iter().all(is_certain).then_some(Rule::Learning)
+    /// The least U [1] over limit states and the points that are not requested yet; infinite without any.
+    pub(super) fn least_u_as_published(&self, assessment: &Assessment) -> f64 {
+        let of_mode = |mode: &Classification| least_u(mode, &self.requests.requested).map(|(_, u)| u);
+        assessment.modes.iter().filter_map(of_mode).fold(f64::INFINITY, f64::min)
     }
 }
 

@@ -17,7 +17,7 @@ use super::surrogates::SurrogateState;
 use super::{CampaignError, ClassifiedPopulation, ObservedOutcome, Plan, Problem, Step, StopReason};
 use crate::results::summary::Round;
 use crate::statistics::design::{Population, choose_by_latin_hypercube, latin_hypercube};
-use crate::statistics::learning::{Rule, Stopping};
+use crate::statistics::learning::{Rule, Stopping, UNCERTAIN};
 use crate::statistics::surrogate::Effort;
 
 /// Error in predicted standard deviations from which a result contradicts the surrogates while a stopping
@@ -327,8 +327,9 @@ impl Campaign {
             self.surrogates.models.clone_from(&assessment.surrogates);
             self.surrogates.record_fit(effort, n);
             if self.plan.is_as_published() {
-                let met = self.met_as_published(&assessment);
-                return Ok((assessment, met));
+                let least = self.least_u_as_published(&assessment);
+                assessment.figures.min_u = least;
+                return Ok((assessment, (least >= UNCERTAIN).then_some(Rule::Learning)));
             }
             let met = self.plan.targets.met(&assessment.figures);
             if met.is_none() || self.surrogates.is_fresh(n) {

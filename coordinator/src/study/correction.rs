@@ -8,7 +8,7 @@
 
 use super::requests::bits;
 use super::{Observed, ObservedOutcome, Settings};
-use crate::results::summary::StudySummary;
+use crate::results::summary::{FailureRow, StudySummary};
 use crate::results::summary_rows::{DifferenceRow, LevelsRow};
 use crate::statistics::levels::{HistoryDifference, HistoryPair};
 use crate::statistics::reliability::REACH;
@@ -196,14 +196,14 @@ impl Correction {
     }
 }
 
-/// Adds the levels and their differences at the `n`th checkpoint to the summary, and the simulations at finer levels with those of them
-/// that failed.
+/// Adds the levels and their differences at the `n`th checkpoint to the summary, and the number of simulations at finer levels with
+/// those of them that failed.
 pub(super) fn add_levels(
     summary: &mut StudySummary,
     scene: &Scene,
     settings: &Settings,
     n: usize,
-    (correction, [evaluations, failed]): (Option<&Correction>, [usize; 2]),
+    (correction, evaluations, failed): (Option<&Correction>, usize, Vec<FailureRow>),
 ) {
     let finer = settings.finer_levels(scene);
     if finer.is_empty() {
@@ -212,12 +212,13 @@ pub(super) fn add_levels(
     let row = |limit: &LimitState| Some(correction?.row(scene, limit, n));
     let working = &settings.accuracy.setting;
     summary.evaluations.total += evaluations;
-    summary.evaluations.failed += failed;
+    summary.evaluations.failed += failed.len();
     summary.levels = Some(LevelsRow {
         names: std::iter::once(working).chain(&finer).map(|level| level.name.clone()).collect(),
         pairs: correction.map_or([0; 2], |correction| [correction.pairs, correction.thirds]),
         evaluations,
-        failed,
+        failed: failed.len(),
+        cause: failed.first().map(|row| row.cause.clone()),
         differences: scene.limit_states.iter().filter_map(row).collect(),
     });
 }

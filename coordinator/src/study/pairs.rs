@@ -17,7 +17,7 @@
 use super::correction::{Correction, LevelPair, PairedModel};
 use super::interim::InterimResult;
 use super::learner::Learner;
-use super::{Campaign, CampaignResult, Observed, ObservedOutcome};
+use super::{Campaign, CampaignResult, Failed, Observed, ObservedOutcome};
 
 use super::plan::ResponseLayout;
 use super::step::{CampaignError, SampleRequest, Step, StopReason};
@@ -87,7 +87,8 @@ pub(super) struct PairedCampaign<'a> {
     /// Pairs under way.
     requested: Vec<PairRequest>,
     /// Evaluations at finer levels whose outcome has been recorded, and those of them that failed.
-    counts: [usize; 2],
+    evaluations: usize,
+    failed: Vec<Failed>,
     correction: Option<Correction>,
     has_ended: bool,
 }
@@ -105,7 +106,8 @@ impl<'a> PairedCampaign<'a> {
             under_way: VecDeque::new(),
             simulated: vec![],
             requested: vec![],
-            counts: [0; 2],
+            evaluations: 0,
+            failed: vec![],
             correction: None,
             has_ended: false,
         }
@@ -126,12 +128,12 @@ impl<'a> PairedCampaign<'a> {
 
     /// What the pairs of a variant gave: the correction, and the numbers of evaluations and of those that failed.
     pub fn of_pairs(self) -> (Option<Correction>, [usize; 2]) {
-        (self.correction, self.counts)
+        (self.correction, [self.evaluations, self.failed.len()])
     }
 
-    /// Result of the campaign, and what the pairs gave.
-    pub fn finish(self) -> Option<(CampaignResult, Option<Correction>, [usize; 2])> {
-        Some((self.campaign.finish()?, self.correction, self.counts))
+    /// Result of the campaign, the correction by the pairs, and the number of their evaluations with those that failed.
+    pub fn finish(self) -> Option<(CampaignResult, Option<Correction>, usize, Vec<Failed>)> {
+        Some((self.campaign.finish()?, self.correction, self.evaluations, self.failed))
     }
 
     /// The next chunk of pairs; none if there are enough.
@@ -284,10 +286,14 @@ impl<'a> PairedCampaign<'a> {
 
     fn record_pairs(&mut self, outcomes: Vec<ObservedOutcome>) {
         for ((i, level), outcome) in std::mem::take(&mut self.requested).into_iter().zip(outcomes) {
-            self.counts[0] += 1;
+            self.evaluations += 1;
+            let one = &mut self.simulated[i];
             match outcome {
-                Ok(observed) => self.simulated[i].finer[usize::from(level) - 1] = Some(observed),
-                Err(_) => self.counts[1] += 1,
+                Ok(observed) => one.finer[usize::from(level) - 1] = Some(observed),
+                Err(cause) => {
+                    let z = self.campaign.problem.inputs.standardise(&one.sample);
+                    self.failed.push(Failed { z, cause, expected: false });
+                }
             }
         }
     }

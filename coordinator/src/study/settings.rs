@@ -205,9 +205,7 @@ impl Settings {
         self.target_error.map_or_else(StoppingTargets::default, StoppingTargets::from_half_width)
     }
 
-    /// Points proposed together: half a batch, so that one half is simulated while the other is learned from.
-    ///
-    /// Chunk k + 2 is proposed from the outcomes up to chunk k and the points, not the outcomes, of chunk k + 1. This
+    /// Points proposed together: half a batch, so that one half is simulated while the other is learned from. Chunk k + 2 is proposed from the outcomes up to chunk k and the points, not the outcomes, of chunk k + 1. This
     /// look-ahead is fixed by the settings, so the proposed points do not depend on the order of the outcomes.
     pub fn chunk(&self) -> usize {
         self.batch.div_ceil(2)
@@ -281,8 +279,10 @@ impl Settings {
         if self.population() > LARGEST_POPULATION {
             return refuse("samples", &self.population(), format!("at most {LARGEST_POPULATION}"));
         }
-        if self.method == Method::AkMcs && self.learning == LearningFunction::Gain {
-            return refuse("learning", &self.learning, "u or coupled with method ak-mcs".to_owned());
+        let functions = [LearningFunction::Coupled, LearningFunction::Gain];
+        if self.learning == functions[usize::from(self.method == Method::AkMcs)] {
+            let allowed = "gain or u with ak, u or coupled with ak-mcs".to_owned();
+            return refuse("learning", &self.learning, allowed);
         }
         if self.batch == 0 {
             return refuse("batch", &0, "at least 1".to_owned());
@@ -324,8 +324,7 @@ mod tests {
         let setting = "draft+step-x1.41".parse().unwrap();
         settings.accuracy = StudyAccuracy { setting, max_error: Some(0.01) };
         (settings.samples, settings.initial, settings.max_evaluations) = (4000, 16, 40);
-        (settings.batch, settings.seed) = (12, 3);
-        settings.forms.kernel = Some(Kernel::Matern52);
+        (settings.batch, settings.seed, settings.forms.kernel) = (12, 3, Some(Kernel::Matern52));
         settings
     }
 
@@ -347,8 +346,7 @@ mod tests {
     fn the_stored_form_does_not_change() {
         let settings = settings();
         let accuracy = serde_json::to_string(&settings.accuracy).unwrap();
-        let stored = STORED.replace("ACCURACY", &accuracy);
-        assert_eq!(serde_json::to_string(&settings).unwrap(), stored);
+        assert_eq!(serde_json::to_string(&settings).unwrap(), STORED.replace("ACCURACY", &accuracy));
     }
 
     #[test]
@@ -359,6 +357,7 @@ mod tests {
         assert_eq!((error.key, error.value.as_str()), ("max_evaluations", "40"));
         assert_eq!(refused(Settings { initial: 2, ..settings() }).key, "initial");
         assert_eq!(refused(Settings { batch: 0, ..settings() }).key, "batch");
+        assert_eq!(refused(Settings { learning: LearningFunction::Coupled, ..settings() }).key, "learning");
         let direct = Settings { method: Method::MonteCarlo, samples: 5, ..settings() };
         assert_eq!(direct.check(source.nominal()), Ok(()));
         assert_eq!(refused(Settings { samples: 0, ..direct }).key, "samples");

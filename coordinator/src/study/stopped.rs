@@ -2,6 +2,7 @@
 
 use super::as_published::change_over_1000_cycles;
 use super::{CampaignResult, Method, Settings, StopReason};
+use crate::results::summary::StudySummary;
 use crate::statistics::learning::Rule;
 use crate::statistics::reliability::REACH;
 use common::scene::Scene;
@@ -23,6 +24,28 @@ pub(super) fn targets_met(learned: &CampaignResult, settings: &Settings) -> bool
     (enough || is_within_barred(learned))
         && sampling_beyond(learned, settings).is_none()
         && matches!(learned.stop, StopReason::Rule(_))
+}
+
+/// Notes where the whole interval of R is wider than the one asked for: pairs of levels have ended by their cost, or the stated errors
+/// remain.
+pub(super) fn note_whole_interval(summary: &mut StudySummary, settings: &Settings) {
+    let Some(target) = settings.target_error.filter(|_| settings.method == Method::ActiveLearning) else {
+        return;
+    };
+    let widths = summary.reliability.iter().flat_map(|row| {
+        row.interval.iter().map(|(name, range)| (0.5 * (range.upper - range.lower), name, row.cycles))
+    });
+    let Some((width, name, cycles)) =
+        widths.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|widest| widest.0 > target)
+    else {
+        return;
+    };
+    let at = if summary.is_static() { String::new() } else { format!(" at {cycles} cycles") };
+    let note = format!(
+        "; the whole interval of R {name}{at}, numerical error included, is ± {width:.2e}, not ± {target}"
+    );
+    summary.convergence.targets_met = false;
+    summary.convergence.stopped_because += &note;
 }
 
 /// True if the share of the population that cannot be simulated outweighs the sampling of the failure probability.
@@ -141,5 +164,25 @@ pub(super) fn stop_in_words(scene: &Scene, learned: &CampaignResult, settings: &
         format!("{reason}; the coefficient of variation of P_f is still {cov:.3} (target {})", targets.cov)
     } else {
         reason
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::test_study;
+
+    #[test]
+    fn issue_a_target_error_was_met_while_the_whole_interval_was_wider() {
+        let mut summary = test_study::study().summary;
+        let before = summary.convergence.clone();
+        let settings = |target| Settings { target_error: Some(target), ..Settings::default() };
+        note_whole_interval(&mut summary, &settings(0.6));
+        note_whole_interval(&mut summary, &Settings { method: Method::MonteCarlo, ..settings(0.001) });
+        assert_eq!(summary.convergence, before);
+        note_whole_interval(&mut summary, &settings(0.001));
+        let said = &summary.convergence.stopped_because;
+        assert!(!summary.convergence.targets_met && said.starts_with(&before.stopped_because), "{said}");
+        assert!(said.contains("the whole interval of R") && said.ends_with(", not ± 0.001"), "{said}");
     }
 }

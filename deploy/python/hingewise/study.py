@@ -28,6 +28,8 @@ SCHEMA = 1
 #: Tables with the columns that number their rows.
 TABLES = {
     "reliability": ["cycles"],
+    "parts": ["cycles", "limit_state"],
+    "levels": ["limit_state"],
     "curves": ["limit_state", "cycles"],
     "lives": ["limit_state", "level"],
     "moments": ["cycles"],
@@ -167,6 +169,14 @@ class Study:
                 return self._database(table.removesuffix("s"))
             case "sensitivities":
                 return [flat(row) for row in self.summary["sensitivity"]]
+            case "parts":
+                return [
+                    {"cycles": row["cycles"], "limit_state": name, **parts}
+                    for row in self.summary["reliability"]
+                    for name, parts in row["parts"].items()
+                ]
+            case "levels":
+                return (self.summary.get("levels") or {"differences": []})["differences"]
             case "curves":
                 columns = ("cycles", "reliability", "lower", "upper")
                 return [

@@ -23,7 +23,7 @@ pub fn answer(report: &FleetReport) -> Answer {
     let meaning = "5 %, 50 %, 95 %: remaining life that the unit exceeds with a probability of 95 %, 50 %, 5 % (quantiles). R up to then: \
          probability that the unit had not failed by its last observation, with its standard error by the sample size. The quantiles \
          contain the errors of measurement and surrogates. The numerical error of the simulations widens the likelihood of a \
-         measurement but does not shift the lives. Sample size: effective number of points of the population.";
+         measurement; it is not in the quantiles. Sample size: effective number of points of the population.";
     let mut parts = vec![
         AnswerPart::Figures,
         AnswerPart::Table(Table::new("", head, rows).with_left(&[0, 7])),

@@ -222,7 +222,7 @@ mod tests {
             "evaluations: 84 of 120 planned, budget 400, 1 failed\n",
             "queue: 30 waiting, 6 running on 4 slots\n",
             "rate: 1.30/s in the last minute, at most 4 min 03 s left\n",
-            "R(66 000) = 0.347 ± 0.012 (95 %), after 2 rounds",
+            "R(66 000) = 0.347 ± 0.012 (95 % but for numerical error), after 2 rounds",
             "host-1      2      3    40  0.65/s\n",
         ] {
             assert!(text.contains(part), "no \"{part}\" in:\n{text}");

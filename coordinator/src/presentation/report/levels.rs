@@ -5,7 +5,7 @@ use super::life::governing;
 use super::{ReportInput, table_of};
 use crate::results::reliability_summary::ErrorParts;
 use crate::results::summary::{ReliabilityRow, StudySummary};
-use crate::results::summary_rows::DifferenceRow;
+use crate::results::summary_rows::{DifferenceRow, LevelsRow};
 use crate::statistics::reliability::REACH;
 use common::scene::LimitState;
 use maud::{Markup, html};
@@ -29,8 +29,11 @@ fn remedy(summary: &StudySummary, row: &ReliabilityRow, place: usize, width: f64
         _ if summary.of_cycles() => {
             Some("more `control_points` or a finer `accuracy` of the scene, or more instants of the program")
         }
+        _ if !summary.of_mechanism() && summary.levels.is_some() => {
+            Some("a finer last level of the simulator, or `finest_is_exact`")
+        }
         _ if !summary.of_mechanism() => Some("smaller errors, or `levels`, of the simulator"),
-        _ if summary.is_direct() => Some("a finer accuracy, `--accuracy`"),
+        _ if summary.is_direct() || summary.method == "ak-mcs" => Some("a finer accuracy, `--accuracy`"),
         _ => Some("finer levels or a finer accuracy, `--levels`"),
     }
 }
@@ -41,7 +44,7 @@ const BEYOND_COUNTING: f64 = 1.5;
 /// The half width of a part of the interval, by its place in [`PARTS`].
 fn half_width(summary: &StudySummary, place: usize, width: f64) -> String {
     match (place, width) {
-        (2, 0.0) if !summary.of_mechanism() && summary.levels.is_none() => "not stated".to_owned(),
+        (2, 0.0) if !summary.of_mechanism() && !has_correction(summary) => "not stated".to_owned(),
         (_, width) if !(1e-9..1e-4).contains(&width) => fixed(width, 4),
         _ => three_digits(width),
     }
@@ -77,21 +80,43 @@ pub fn parts_and_levels(summary: &StudySummary) -> Vec<String> {
             let known = if leaves_errors_to_levels(summary) {
                 "of the numerical error the intervals contain that of the time steps alone; one level, `--levels`, has all of it stated"
             } else {
-                "the numerical error is the one that simulations state"
+                "the intervals contain the numerical error that simulations state, if any, and nothing of what the levels would show"
             };
-            format!("levels: too few pairs gave a result; {known}")
+            format!("caution: too few pairs of levels gave a result{}; {known}", failures(levels))
         } else {
+            let unordered = thirds > 0 && levels.differences.iter().any(|row| row.order.is_none());
+            let note = match summary.of_mechanism() {
+                true => "; without an order where the levels show no convergence",
+                false => "; without an order where the levels show no convergence: are they in order, the coarsest first?",
+            };
             format!(
-                "levels: results corrected by {pairs} pairs at a finer level{third}, at the limit {found}"
+                "levels: results corrected by {pairs} pairs at a finer level{third}, at the limit {found}{}{}",
+                failures(levels),
+                if unordered { note } else { "" }
             )
         });
     }
     lines
 }
 
-/// A difference in words, e.g. `asymmetry +1.8 % +- 0.2 %`.
+/// A difference in words, e.g. `asymmetry +1.8 % +- 0.2 %, order 2.0`.
 fn difference(row: &DifferenceRow) -> String {
-    format!("{} {} ± {}", row.limit_state, signed_percent(row.correction), percent(row.error))
+    let order = row.order.map_or(String::new(), |order| format!(" (order {})", fixed(order, 1)));
+    format!("{} {} ± {}{order}", row.limit_state, signed_percent(row.correction), percent(row.error))
+}
+
+/// Simulations at finer levels without a result, in brackets; empty without any.
+fn failures(levels: &LevelsRow) -> String {
+    let cause = levels.cause.as_ref().map_or(String::new(), |cause| format!(", first cause: {cause}"));
+    match levels.failed {
+        0 => String::new(),
+        failed => format!(" ({failed} of {} finer simulations failed{cause})", levels.evaluations),
+    }
+}
+
+/// True if pairs of levels correct the results.
+fn has_correction(summary: &StudySummary) -> bool {
+    summary.levels.as_ref().is_some_and(|levels| !levels.differences.is_empty())
 }
 
 fn signed_percent(share: f64) -> String {
@@ -154,7 +179,7 @@ pub fn sentences(input: &ReportInput) -> Vec<String> {
         "{states} Typical and largest stated error at {cycles} cycles, as a share of the limit: {sizes}."
     )];
     text.push(
-        if input.summary.levels.is_some() {
+        if has_correction(&input.summary) {
             "Pairs of simulations at finer levels correct the results, and their error takes the place of the stated one in all intervals."
         } else {
             "In the intervals of R and of the lives every response is off by its stated error in the same direction; a finer accuracy, finer \
@@ -180,7 +205,6 @@ pub fn sentences(input: &ReportInput) -> Vec<String> {
 mod tests {
     use super::*;
     use crate::results::summary::{AROUND_CYCLES, ConditionRow};
-    use crate::results::summary_rows::LevelsRow;
     use crate::tests::test_study;
 
     #[test]
@@ -203,7 +227,20 @@ mod tests {
             text.contains("9 pairs at a finer level, 3 of them") && text.contains("wear -1.8 % ± 0.2 %"),
             "{text}"
         );
+        assert!(text.contains("(order 2.0)") && !text.contains("no convergence"), "{text}");
         assert!(table_of_levels(&summary).0.contains("2.0"));
+        let levels = summary.levels.as_mut().unwrap();
+        levels.differences[0].order = None;
+        (levels.evaluations, levels.failed, levels.cause) = (12, 1, Some("the steps ran out".to_owned()));
+        let text = parts_and_levels(&summary)[1].clone();
+        let failed = "(1 of 12 finer simulations failed, first cause: the steps ran out)";
+        assert!(text.contains(failed) && text.ends_with("where the levels show no convergence"), "{text}");
+        // Nothing corrects the results.
+        summary.levels.as_mut().unwrap().differences.clear();
+        summary.accuracy_settings = None;
+        let text = parts_and_levels(&summary)[1].clone();
+        assert!(text.starts_with("caution: too few pairs of levels gave a result (1 of 12 finer"), "{text}");
+        assert!(text.contains("nothing of what the levels would show"), "{text}");
         summary.levels = None;
         assert!(table_of_levels(&summary).0.is_empty());
     }
@@ -260,6 +297,7 @@ mod tests {
             text.contains("is left to the finer levels. Typical") && !text.contains("95 % of cases"),
             "{text}"
         );
+        assert!(!text.contains("correct the results"), "no pair gave a difference: {text}");
         let mut silent = input.clone();
         silent.stated.clear();
         assert!(sentences(&silent).is_empty());

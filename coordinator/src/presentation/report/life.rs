@@ -5,6 +5,18 @@ use crate::results::life_summary::{CyclesRange, LifeRow};
 use crate::results::summary::{ReliabilityRange, ReliabilityRow, StudySummary};
 pub use crate::study::LEVELS;
 
+/// What the intervals of a summary contain, as the end of a sentence: that of a study under way has no numerical error yet.
+pub fn errors_in_intervals(summary: &StudySummary) -> &'static str {
+    let has_numerical = |row: &ReliabilityRow| {
+        !row.numerical.is_empty() || row.parts.values().any(|parts| parts.numerical > 0.0)
+    };
+    if summary.reliability.iter().any(has_numerical) {
+        "sampling, surrogate, interpolation and numerical error"
+    } else {
+        "sampling, surrogate and interpolation error, no numerical error"
+    }
+}
+
 /// The life at which a reliability falls to a level, with the limits of its 95 % interval [cycles].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LifeAt {

@@ -3,7 +3,7 @@
 use super::figures::words;
 use super::format::{UNKNOWN, count, duration, fixed, percent, three_digits, with_unit};
 use super::input::{GroovedJoint, ReportInput};
-use super::life::{self, LEVELS, life_and_limits, life_at};
+use super::life::{self, LEVELS, errors_in_intervals, life_and_limits, life_at};
 use crate::results::summary::{ReliabilityRow, Round, ScaleRow, WorkerShare};
 use common::outputs::COUNTERS;
 use common::scene::{OutputUnit, Units};
@@ -112,9 +112,7 @@ pub fn lives(input: &ReportInput) -> Markup {
     };
     html! {
         (table(&head, LEVELS.iter().map(cells)))
-        p.none {
-            "95 %: interval of sampling, surrogates, interpolation between checkpoints and numerical error of the simulations."
-        }
+        p.none { "95 %: interval of " (errors_in_intervals(summary)) "." }
     }
 }
 

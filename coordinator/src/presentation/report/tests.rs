@@ -91,7 +91,12 @@ fn a_whole_study_has_every_figure_and_its_lives() {
     let body = report.html(None).split_once("<details class=\"appendix\">").unwrap().0.to_owned();
     assert_eq!((body.matches("<figure id=").count(), expected.len()), (15, 15));
     expected.extend(["weibull-paper", "lognormal-paper"]);
-    expected.extend(["distribution-wear", "distribution-asymmetry"]);
+    expected.extend([
+        "distribution-wear",
+        "cumulative-wear",
+        "distribution-asymmetry",
+        "cumulative-asymmetry",
+    ]);
     expected.extend(["bore-1", "bore-2", "bore-3", "bore-4", "bore-5", "bore-6"]);
     expected.extend(["orbit-1", "orbit-2", "orbit-3", "orbit-4", "orbit-5", "orbit-6"]);
     expected.extend(["joint-forces", "angles", "angular-velocities"]);

@@ -105,6 +105,7 @@ fn quality(page: &mut Page, input: &ReportInput) {
     page.add(html! {
         @if !none.is_empty() { p.none { (none) } }
         @if !stopped.is_empty() { p { "Stopped because: " (stopped) "." } }
+        @for line in levels::parts_and_levels(summary) { p { (sentence(&line)) } }
         @for row in &input.verified {
             p {
                 "Verified " (end::moment(&row.made)) ": " (row.compared) ": " (row.found) "."

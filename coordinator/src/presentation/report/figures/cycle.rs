@@ -3,7 +3,7 @@
 
 use super::{file_name, range, words};
 use crate::presentation::report::format::{fixed, fixed_with_unit, joined, three_digits, unit_scale};
-use crate::presentation::report::mechanism::Pose;
+use crate::presentation::report::mechanism::{Pose, place};
 use crate::presentation::report::{Axis, Figure, Ink, Plot, Points, ReportInput, Series, Shape};
 use common::outputs::{BodyTrace, CycleHistory};
 use common::scene::monotone::monotone_value;
@@ -175,7 +175,7 @@ fn over_time(
     Some(Plot { figure: name, x, y, series: &series }.figure(title, caption))
 }
 
-/// Loads that vary by curves over a cycle.
+/// Loads that vary over a cycle, by curves or as directional springs.
 pub struct VaryingLoads {
     /// What they vary over, with its unit, e.g. `angle of crank [deg]`.
     over: String,
@@ -190,14 +190,27 @@ impl VaryingLoads {
         let crank = scene.bodies.iter().position(|body| matches!(body.motion, Motion::Driven { .. }));
         let angle = |poses: &[Pose], body: usize| poses[body].1;
         let at = |k: usize| crank.map_or(times[k], |body| angle(&cycle[k], body).to_degrees());
-        let loads = scene.loads.iter().filter_map(Load::curve).map(|(name, _, curve, kind)| {
+        let shown = |name: String, si: &str, value: &dyn Fn(usize) -> f64| {
+            let unit = scene.units.symbol(si);
+            let points = (0..cycle.len()).map(|k| (at(k), value(k) / unit_scale(unit))).collect();
+            (name, unit.to_owned(), points)
+        };
+        let loads = scene.loads.iter().filter_map(|load| {
+            if let Load::DirectionalSpring { name, at, anchor, direction: [dx, dy], stiffness, free_length } =
+                load
+            {
+                let pull = |k: usize| {
+                    let [p, a] = [at, anchor].map(|point| place(&cycle[k], point));
+                    -stiffness * (dx * (p[0] - a[0]) + dy * (p[1] - a[1]) - free_length)
+                };
+                return Some(shown(name.clone(), "N", &pull));
+            }
+            let (name, _, curve, kind) = load.curve()?;
             let value = |k: usize| match curve.over {
                 Over::Time => monotone_value(&curve.table, times[k]),
                 Over::Angle(body) => monotone_value(&curve.table, angle(&cycle[k], body)),
             };
-            let unit = scene.units.symbol(kind.si);
-            let shown = |k: usize| (at(k), value(k) / unit_scale(unit));
-            (name, unit.to_owned(), (0..cycle.len()).map(shown).collect())
+            Some(shown(name, kind.si, &value))
         });
         let loads: Vec<_> = loads.filter(|_| cycle.len() > 1).collect();
         let of_crank = |body: usize| format!("angle of {} [deg]", scene.bodies[body].name);
@@ -239,7 +252,8 @@ impl VaryingLoads {
             let y = Axis::linear(&label, ((low - margin).min(0.0), (high + margin).max(0.0)));
             let figure = &if k == 0 { "loads".to_owned() } else { format!("loads-{}", k + 1) };
             let (what, _) = self.over.split_once(" [").unwrap_or((&self.over, ""));
-            let caption = format!("By their curves. {lines}.");
+            let caption =
+                format!("By their curves, or by the motion; of springs along their direction. {lines}.");
             Plot { figure, x, y, series: &series }.figure(&format!("Loads over the {what}"), &caption)
         };
         units.iter().enumerate().map(figure).collect()

@@ -11,16 +11,23 @@ use crate::presentation::report::{
 use crate::results::summary::StudySummary;
 use common::scene::{Fails, LimitState, OutputUnit};
 
-/// One figure per limit state: its output's distribution at three checkpoints around the governing one.
+/// Two figures per limit state: density and cumulative distribution of its output at three checkpoints around the governing one.
 pub fn distributions(input: &ReportInput) -> Vec<Figure> {
     let drawn = input.scene.limit_states.iter().map(|state| (state, three_around_governing(input, state)));
     let drawn = drawn.filter(|(_, shown)| !shown.is_empty());
-    drawn.map(|(state, shown)| distribution(input, state, &shown)).collect()
+    drawn
+        .flat_map(|(state, shown)| [false, true].map(|sum| distribution(input, state, &shown, sum)))
+        .collect()
 }
 
-/// The distributions of one limit state's output with its threshold; in the caption their origin, means and standard deviations, and the
-/// side of the threshold on which failure lies.
-fn distribution(input: &ReportInput, state: &LimitState, shown: &[&CheckpointDistribution]) -> Figure {
+/// The densities of one limit state's output, or their `sum`, with its threshold; in the caption their origin, means and standard
+/// deviations, and the side of the threshold on which failure lies.
+fn distribution(
+    input: &ReportInput,
+    state: &LimitState,
+    shown: &[&CheckpointDistribution],
+    sum: bool,
+) -> Figure {
     let (output, unit) = (input.output_of(state), &input.unit_of(state));
     let thresholds: Vec<f64> = state.thresholds().into_iter().map(|si| unit.to_shown(si)).collect();
     let mut series = Vec::new();
@@ -33,16 +40,20 @@ fn distribution(input: &ReportInput, state: &LimitState, shown: &[&CheckpointDis
         }
         let cycles = number_of_cycles(distribution.cycles);
         let label = if is_static { "population".to_owned() } else { cycles };
-        series.push(Series::new(label, Ink::Series(k + 2), Shape::Steps(bars)));
+        let shape = if sum { Shape::Line(cumulated(&bars)) } else { Shape::Steps(bars) };
+        series.push(Series::new(label, Ink::Series(k + 2), shape));
     }
     series.extend(threshold_lines(state, unit, Shape::Upright));
-    let name = format!("distribution-{}", file_name(&state.name));
+    let name = format!("{}-{}", if sum { "cumulative" } else { "distribution" }, file_name(&state.name));
     let margin = 0.03 * (high - low);
-    let labels = [unit.axis(&output), density(unit)];
+    let (of_share, top) =
+        if sum { ("share of the population".to_owned(), 1.0) } else { (density(unit), top) };
+    let labels = [unit.axis(&output), of_share];
     let x = Axis::linear(&labels[0], (low - margin, high + margin));
     let y = Axis::linear(&labels[1], (0.0, 1.08 * top));
     let late = format!("{output} late in life");
     let title = if is_static { format!("distribution of {output}") } else { late };
+    let title = if sum { format!("{title}, cumulative") } else { title };
     let moments = shown.iter().map(|distribution| {
         let [mean, std] = [distribution.mean, distribution.std].map(|si| moment(unit, si));
         format!("{mean} ± {} at {}", unit.after(&std), count(distribution.cycles.into()))
@@ -87,6 +98,17 @@ fn densities(distribution: &CheckpointDistribution, unit: &OutputUnit) -> Vec<(f
         (left, right, *count as f64 / (all.max(1) as f64 * (right - left)))
     });
     bars.filter(|(left, right, height)| right > left && height.is_finite()).collect()
+}
+
+/// Share of the population at or below the ends of these bins `(left, right, height)`.
+fn cumulated(bars: &[(f64, f64, f64)]) -> Points {
+    let start = bars.first().map(|bar| (bar.0, 0.0));
+    let mut share = 0.0;
+    let ends = bars.iter().map(|(left, right, height)| {
+        share += height * (right - left);
+        (*right, share)
+    });
+    start.into_iter().chain(ends).collect()
 }
 
 /// A mean or standard deviation: with two decimals in a unit in which values are of the order of one to a hundred, else with three

@@ -2,7 +2,7 @@
 
 use super::{LifeAxis, file_name, ink_of, span, stacked};
 use crate::presentation::report::format::{joined, percent};
-use crate::presentation::report::life::rows_that_matter;
+use crate::presentation::report::life::{errors_in_intervals, rows_that_matter};
 use crate::presentation::report::{Axis, Band, Figure, Ink, Plot, Points, ReportInput, Series, Shape};
 use crate::results::life_summary::LifeCurveRow;
 use crate::results::summary::{ReliabilityRow, StudySummary};
@@ -76,8 +76,9 @@ pub fn reliability(summary: &StudySummary) -> Option<Figure> {
     let caption = format!(
         "Probability of no failure up to this life, per limit state and for the whole {0}, which fails with its first limit \
          state. Dots: checkpoints; lines between them: crossing times interpolated for every {0}. Bands and bars: 95 % interval \
-         of sampling, surrogate, interpolation and numerical error.",
-        summary.subject()
+         of {1}.",
+        summary.subject(),
+        errors_in_intervals(summary)
     );
     Some(Plot::of_reliability("reliability", x, &series).figure("Reliability over life", &caption))
 }
@@ -158,7 +159,7 @@ pub fn compared(studies: &[ComparedStudy]) -> Vec<Figure> {
         }
         let by = format!("No failure by {name}");
         let title = if name == "total" { "No failure of any kind" } else { &by };
-        let caption = "Bands: 95 % interval of sampling, surrogate, interpolation and numerical error.";
+        let caption = &format!("Bands: 95 % interval of {}.", errors_in_intervals(&studies[0].summary));
         let (figure, series) = (&format!("reliability-{}", file_name(name)), &[bands, lines].concat());
         let x = Axis::linear(axis.label, (axis.place(from), axis.place(to)));
         Plot::of_reliability(figure, x, series).figure(title, caption)
