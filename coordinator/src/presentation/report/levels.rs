@@ -75,7 +75,7 @@ pub fn parts_and_levels(summary: &StudySummary) -> Vec<String> {
     if let Some(levels) = &summary.levels {
         let [pairs, thirds] = levels.pairs;
         let third = if thirds > 0 { format!(", {thirds} of them at a third one") } else { String::new() };
-        let found = joined(levels.differences.iter().map(difference), ", ");
+        let found = joined(levels.differences.iter().map(|row| difference(row, thirds > 0)), ", ");
         lines.push(if found.is_empty() {
             let known = if leaves_errors_to_levels(summary) {
                 "of the numerical error the intervals contain that of the time steps alone; one level, `--levels`, has all of it stated"
@@ -85,23 +85,24 @@ pub fn parts_and_levels(summary: &StudySummary) -> Vec<String> {
             format!("caution: too few pairs of levels gave a result{}; {known}", failures(levels))
         } else {
             let unordered = thirds > 0 && levels.differences.iter().any(|row| row.order.is_none());
-            let note = match summary.of_mechanism() {
-                true => "; without an order where the levels show no convergence",
-                false => "; without an order where the levels show no convergence: are they in order, the coarsest first?",
-            };
+            let ask = unordered && !summary.of_mechanism();
             format!(
                 "levels: results corrected by {pairs} pairs at a finer level{third}, at the limit {found}{}{}",
                 failures(levels),
-                if unordered { note } else { "" }
+                if ask { "; are the levels in order, the coarsest first?" } else { "" }
             )
         });
     }
     lines
 }
 
-/// A difference in words, e.g. `asymmetry +1.8 % +- 0.2 %, order 2.0`.
-fn difference(row: &DifferenceRow) -> String {
-    let order = row.order.map_or(String::new(), |order| format!(" (order {})", fixed(order, 1)));
+/// A difference in words, e.g. `asymmetry +1.8 % +- 0.2 % (order 2.0)`, the order where there is a `third` level.
+fn difference(row: &DifferenceRow, third: bool) -> String {
+    let order = match row.order {
+        Some(order) => format!(" (order {})", fixed(order, 1)),
+        None if third => " (no order of convergence)".to_owned(),
+        None => String::new(),
+    };
     format!("{} {} ± {}{order}", row.limit_state, signed_percent(row.correction), percent(row.error))
 }
 
@@ -227,14 +228,14 @@ mod tests {
             text.contains("9 pairs at a finer level, 3 of them") && text.contains("wear -1.8 % ± 0.2 %"),
             "{text}"
         );
-        assert!(text.contains("(order 2.0)") && !text.contains("no convergence"), "{text}");
+        assert!(text.contains("(order 2.0)"), "{text}");
         assert!(table_of_levels(&summary).0.contains("2.0"));
         let levels = summary.levels.as_mut().unwrap();
         levels.differences[0].order = None;
         (levels.evaluations, levels.failed, levels.cause) = (12, 1, Some("the steps ran out".to_owned()));
         let text = parts_and_levels(&summary)[1].clone();
         let failed = "(1 of 12 finer simulations failed, first cause: the steps ran out)";
-        assert!(text.contains(failed) && text.ends_with("where the levels show no convergence"), "{text}");
+        assert!(text.contains(failed) && text.contains("(no order of convergence)"), "{text}");
         // Nothing corrects the results.
         summary.levels.as_mut().unwrap().differences.clear();
         summary.accuracy_settings = None;

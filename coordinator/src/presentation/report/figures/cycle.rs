@@ -283,7 +283,10 @@ mod tests {
             load("cut", force, "[0, 60, 120, 360]", "N", "[0, 3, 3, 0]"),
             load("brake", torque, "[0, 180, 360]", "N m", "[0, 2, 0]"),
         ];
-        let text = format!("{}{}", SceneSource::builtin("four-bar").unwrap().text(), loads.concat());
+        // 1 N - 2 N sin(angle): against twice its free length at the top of the crank's circle.
+        let spring = "\n[[loads]]\nname = \"lift\"\ntype = \"directional-spring\"\nat = { body = \"crank\", point = \"pin\" }\n\
+            anchor = { body = \"frame\", point = \"rocker_pin\" }\ndirection = [0, 1]\nstiffness = \"100 N/m\"\nfree_length = \"10 mm\"\n";
+        let text = format!("{}{}{spring}", SceneSource::builtin("four-bar").unwrap().text(), loads.concat());
         let source = SceneSource::parse(&text, "scene.toml").unwrap();
         let scene = source.nominal();
         let crank = scene.bodies.iter().position(|body| body.name == "crank").unwrap();
@@ -299,13 +302,15 @@ mod tests {
             "load card: −4.00 to 1.00 N m, largest at 90 deg, angle of crank",
             "load cut: 0 to 3.00 N, largest at 60 deg, angle of crank",
             "load brake: 0 to 2.00 N m, largest at 180 deg, angle of crank",
+            "load lift: −1.00 to 3.00 N, largest at 270 deg, angle of crank",
         ];
         assert_eq!(found.lines(), lines);
         // One figure for each unit, each with its loads.
         let [forces, torques] = &found.figures()[..] else { panic!("a figure for each unit") };
         assert_eq!([&*forces.name, &*torques.name], ["loads", "loads-2"]);
-        assert_eq!(forces.caption, format!("By their curves. {}.", lines[1]));
-        assert_eq!(torques.caption, format!("By their curves. {}; {}.", lines[0], lines[2]));
+        let from = "By their curves, or by the motion; of springs along their direction.";
+        assert_eq!(forces.caption, format!("{from} {}; {}.", lines[1], lines[3]));
+        assert_eq!(torques.caption, format!("{from} {}; {}.", lines[0], lines[2]));
         // Half way between two points of equal slope, zero: the mean of their values.
         assert!((found.loads[0].2.iter().find(|p| (p.0 - 45.0).abs() < 5.1).unwrap().1 + 1.0).abs() < 1.0);
         assert!(VaryingLoads::new(scene, &cycle[..1], &degrees).is_none());
