@@ -81,7 +81,7 @@ fn false_coordinator(claim: Option<Vec<u8>>, status: Option<Vec<u8>>) -> (Sessio
         session
             .declare_queryable(key)
             .callback(move |query| {
-                if asked.fetch_add(1, Ordering::Relaxed) % 2 == 0 {
+                if asked.fetch_add(1, Ordering::Relaxed).is_multiple_of(2) {
                     query.reply(key, frame.clone()).wait().unwrap();
                 }
             })

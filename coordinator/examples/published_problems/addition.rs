@@ -1,9 +1,9 @@
-//! What this project adds to the published learning, each addition to be left out singly.
+//! What this project adds to the published learning, each addition to be left out singly, or all.
 
 use clap::ValueEnum;
 use coordinator::statistics::learning::{LearningFunction, StoppingTargets};
 use coordinator::statistics::surrogate::{FormSettings, Kernel, Trend};
-use coordinator::study::Settings;
+use coordinator::study::{Method, Settings};
 
 /// An addition of this project to the published learning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -18,6 +18,8 @@ pub enum Addition {
     Kernel,
     /// The learning function that lowers the estimated error, in the place of U.
     Gain,
+    /// Everything: the published method, with 200 initial points and at most 2000 evaluations.
+    All,
 }
 
 impl Addition {
@@ -30,6 +32,10 @@ impl Addition {
                 settings.forms = FormSettings { kernel: Some(Kernel::Gaussian), ..settings.forms }
             }
             Self::Gain => settings.learning = LearningFunction::U,
+            Self::All => {
+                settings.method = Method::AkMcs;
+                settings.make_as_published();
+            }
         }
     }
 }

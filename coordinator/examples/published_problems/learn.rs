@@ -5,8 +5,8 @@ use coordinator::statistics::design::InputModel;
 use coordinator::statistics::learning::{Mode, StoppingTargets};
 use coordinator::statistics::surrogate::StatedErrors;
 use coordinator::study::{
-    Campaign, CampaignError, CampaignResult, ClassifiedPopulation, LARGEST_POPULATION, Observed, Plan,
-    Problem, Settings, StopReason,
+    Campaign, CampaignError, CampaignResult, ClassifiedPopulation, LARGEST_POPULATION, Method, Observed,
+    Plan, Problem, Settings, StopReason,
 };
 use std::time::Instant;
 
@@ -29,7 +29,7 @@ pub struct Run {
     pub seconds: f64,
 }
 
-/// Learns a problem; initial design and budget are those of the problem.
+/// Learns a problem; initial design and budget are those of the problem, or of the published method.
 ///
 /// # Errors
 /// [`CampaignError`].
@@ -40,12 +40,11 @@ pub fn learn(
 ) -> Result<Run, CampaignError> {
     let started = Instant::now();
     let (modes, m) = problem.shape;
-    let settings = Settings {
-        initial: problem.initial,
-        max_evaluations: problem.max_evaluations,
-        stated_errors: StatedErrors::Ignored,
-        ..settings
+    let (initial, max_evaluations) = match settings.method {
+        Method::AkMcs => (settings.initial, settings.max_evaluations),
+        _ => (problem.initial, problem.max_evaluations),
     };
+    let settings = Settings { initial, max_evaluations, stated_errors: StatedErrors::Ignored, ..settings };
     let plan = Plan {
         targets,
         largest_population: settings.samples.max(LARGEST_POPULATION),
