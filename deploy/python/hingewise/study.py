@@ -176,7 +176,8 @@ class Study:
                     for name, parts in row["parts"].items()
                 ]
             case "levels":
-                return (self.summary.get("levels") or {"differences": []})["differences"]
+                levels = self.summary.get("levels") or {"differences": []}
+                return [flat(row) for row in levels["differences"]]
             case "curves":
                 columns = ("cycles", "reliability", "lower", "upper")
                 return [

@@ -98,8 +98,12 @@ class WithStudy(unittest.TestCase):
 
     @unittest.skipIf(pandas is None, "pandas is not installed")
     def test_frames_are_the_rows_by_their_index(self):
+        self.assertEqual(self.study.rows("levels"), [])
+        with_levels = hingewise.Study("study")
+        with_levels.summary["levels"] = {"differences": [{"limit_state": "wear", "order": 2.0}]}
         for table, index in TABLES.items():
-            frame, rows = getattr(self.study, table), self.study.rows(table)
+            study = with_levels if table == "levels" else self.study
+            frame, rows = getattr(study, table), study.rows(table)
             self.assertEqual(len(frame), len(rows), table)
             self.assertGreater(len(rows), 0, table)
             self.assertEqual(list(frame.index.names), index, table)
