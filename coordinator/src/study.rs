@@ -106,7 +106,7 @@ use correction::add_levels;
 use dispatching::Dispatcher;
 use monte_carlo::DirectSimulation;
 use pairs::PairedCampaign;
-use result::{failures, from_learning};
+use result::from_learning;
 use stopped::note_whole_interval;
 
 /// Runs a study of `scene` to its end: evaluations by `evaluator`, recorded in `journal`, reported to `observer`.
@@ -139,9 +139,7 @@ pub fn run(
             let (learned, correction, evaluations, failed) =
                 finished.expect("a campaign that is done has learned something");
             let mut findings = from_learning(scene, settings, &learned);
-            let inputs = &learned.classified.population.inputs;
-            let failed = failures(scene, inputs, &failed, 0.0).simulations;
-            let (n, pairs) = (learned.assessment.governing, (correction.as_ref(), evaluations, failed));
+            let (n, pairs) = (learned.assessment.governing, (correction.as_ref(), evaluations, &failed[..]));
             add_levels(&mut findings.summary, scene, settings, n, pairs);
             findings
         }

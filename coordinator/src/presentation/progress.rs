@@ -66,7 +66,8 @@ pub fn reliability_so_far(cycles: u32, r: f64, standard_error: f64) -> String {
 }
 
 /// Evaluations, time left in the study, rate [1/s], surrogate error, R so far and the rest, the most important first, since terminals cut the
-/// end off; e.g. `84/400 evaluations, at most 4 min 03 s left, 1.30/s, error 0.0090, R(66 000) = 0.347 ± 0.012 (95 % but for numerical error), round 2`.
+/// end off; e.g. `84/400 evaluations, at most 4 min 03 s left, 1.30/s, error 0.0090, R(66 000) = 0.347 ± 0.012 (95 % but for numerical
+/// error), round 2`.
 pub fn state_of_study(study: &StudyStatus, ending: bool, rate: Option<f64>, error: Option<f64>) -> String {
     let StudyStatus { done, failed, recalled, purpose, reliability, .. } = study;
     let mut parts = vec![format!("{done}/{} evaluations", most_evaluations(study))];

@@ -8,10 +8,11 @@
 
 use super::requests::bits;
 use super::{Observed, ObservedOutcome, Settings};
-use crate::results::summary::{FailureRow, StudySummary};
+use crate::results::summary::StudySummary;
 use crate::results::summary_rows::{DifferenceRow, LevelsRow};
 use crate::statistics::levels::{HistoryDifference, HistoryPair};
 use crate::statistics::reliability::REACH;
+use common::failure::SimulationFailure;
 use common::scene::{LimitState, Scene};
 use std::collections::{HashMap, HashSet};
 
@@ -196,14 +197,14 @@ impl Correction {
     }
 }
 
-/// Adds the levels and their differences at the `n`th checkpoint to the summary, and the number of simulations at finer levels with
-/// those of them that failed.
+/// Adds the levels and their differences at the `n`th checkpoint to the summary, the number of simulations at finer levels, and the
+/// causes of those that failed.
 pub(super) fn add_levels(
     summary: &mut StudySummary,
     scene: &Scene,
     settings: &Settings,
     n: usize,
-    (correction, evaluations, failed): (Option<&Correction>, usize, Vec<FailureRow>),
+    (correction, evaluations, failed): (Option<&Correction>, usize, &[SimulationFailure]),
 ) {
     let finer = settings.finer_levels(scene);
     if finer.is_empty() {
@@ -218,7 +219,7 @@ pub(super) fn add_levels(
         pairs: correction.map_or([0; 2], |correction| [correction.pairs, correction.thirds]),
         evaluations,
         failed: failed.len(),
-        cause: failed.first().map(|row| row.cause.clone()),
+        cause: failed.first().map(ToString::to_string),
         differences: scene.limit_states.iter().filter_map(row).collect(),
     });
 }

@@ -17,7 +17,7 @@
 use super::correction::{Correction, LevelPair, PairedModel};
 use super::interim::InterimResult;
 use super::learner::Learner;
-use super::{Campaign, CampaignResult, Failed, Observed, ObservedOutcome};
+use super::{Campaign, CampaignResult, Observed, ObservedOutcome};
 
 use super::plan::ResponseLayout;
 use super::step::{CampaignError, SampleRequest, Step, StopReason};
@@ -25,6 +25,7 @@ use crate::results::summary::Round;
 use crate::statistics::design::deviation;
 use crate::statistics::learning::{Figures, farthest};
 use crate::statistics::reliability::REACH;
+use common::failure::SimulationFailure;
 use common::scene::{LimitState, Scene};
 use std::collections::VecDeque;
 
@@ -86,9 +87,9 @@ pub(super) struct PairedCampaign<'a> {
     simulated: Vec<PairedPoint>,
     /// Pairs under way.
     requested: Vec<PairRequest>,
-    /// Evaluations at finer levels whose outcome has been recorded, and those of them that failed.
+    /// Number of evaluations at finer levels whose outcome has been recorded, and the causes of those that failed.
     evaluations: usize,
-    failed: Vec<Failed>,
+    failed: Vec<SimulationFailure>,
     correction: Option<Correction>,
     has_ended: bool,
 }
@@ -131,8 +132,8 @@ impl<'a> PairedCampaign<'a> {
         (self.correction, [self.evaluations, self.failed.len()])
     }
 
-    /// Result of the campaign, the correction by the pairs, and the number of their evaluations with those that failed.
-    pub fn finish(self) -> Option<(CampaignResult, Option<Correction>, usize, Vec<Failed>)> {
+    /// Result of the campaign, the correction by the pairs, the number of their evaluations, and the causes of those that failed.
+    pub fn finish(self) -> Option<(CampaignResult, Option<Correction>, usize, Vec<SimulationFailure>)> {
         Some((self.campaign.finish()?, self.correction, self.evaluations, self.failed))
     }
 
@@ -287,13 +288,9 @@ impl<'a> PairedCampaign<'a> {
     fn record_pairs(&mut self, outcomes: Vec<ObservedOutcome>) {
         for ((i, level), outcome) in std::mem::take(&mut self.requested).into_iter().zip(outcomes) {
             self.evaluations += 1;
-            let one = &mut self.simulated[i];
             match outcome {
-                Ok(observed) => one.finer[usize::from(level) - 1] = Some(observed),
-                Err(cause) => {
-                    let z = self.campaign.problem.inputs.standardise(&one.sample);
-                    self.failed.push(Failed { z, cause, expected: false });
-                }
+                Ok(observed) => self.simulated[i].finer[usize::from(level) - 1] = Some(observed),
+                Err(cause) => self.failed.push(cause),
             }
         }
     }

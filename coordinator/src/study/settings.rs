@@ -205,7 +205,8 @@ impl Settings {
         self.target_error.map_or_else(StoppingTargets::default, StoppingTargets::from_half_width)
     }
 
-    /// Points proposed together: half a batch, so that one half is simulated while the other is learned from. Chunk k + 2 is proposed from the outcomes up to chunk k and the points, not the outcomes, of chunk k + 1. This
+    /// Points proposed together: half a batch, so that one half is simulated while the other is learned from.
+    /// Chunk k + 2 is proposed from the outcomes up to chunk k and the points, not the outcomes, of chunk k + 1. This
     /// look-ahead is fixed by the settings, so the proposed points do not depend on the order of the outcomes.
     pub fn chunk(&self) -> usize {
         self.batch.div_ceil(2)
